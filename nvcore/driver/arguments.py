@@ -1,4 +1,4 @@
-"""The arguments of the calls and commands that say what the driver sees."""
+"""Arguments of the API calls and commands on the driver's view."""
 
 from __future__ import annotations
 
@@ -25,21 +25,19 @@ _FILE: Final = click.Path(dir_okay=False, path_type=Path)
 
 @arguments
 class _RunArguments(Part):
-    """What features of pictures, and estimates by them, are made of.
+    """Arguments that picture features and the estimates based on them share.
 
     Attributes
     ----------
-    source
-        A session file, a session, or a dataset made by `load`. It names the pictures of visible
-        light of each recording, its light meter and where the driver looked, and need not name a
-        system.
+    A session file, a session, or a dataset made by `load`. It names the visible-light pictures of
+    each recording, its light meter and gaze file, and may have no system.
     settings
-        What the paper leaves open, by name (docs/driver-reference.md): ``surround``,
-        ``drop_factor``, ...; ``fixation`` is the assumed point as shares of the picture,
-        (0.5, 0.5) its middle.
+        Values that the paper leaves open, by name (docs/driver-reference.md): ``surround``,
+        ``drop_factor``, ... ``fixation`` is the assumed point as shares of the picture, with (0.5,
+        0.5) in its middle.
     progress
-        Called with the share done, and the time left in words. It may raise `CancelledError`:
-        nothing is then written.
+        Called with the share done, and the time left in words. It may raise `CancelledError`; then
+        nothing is written.
     """
 
     source: PathLike | Session | Dataset
@@ -57,7 +55,7 @@ class _RunArguments(Part):
 
 @arguments
 class FeatureArguments(_RunArguments):
-    """See `nvcore.driver_features`."""
+    """Arguments of `nvcore.driver_features`."""
 
     out: PathLike = argument(
         OUTPUT,
@@ -70,7 +68,7 @@ class FeatureArguments(_RunArguments):
 
 @arguments
 class EstimateArguments(_RunArguments):
-    """See `nvcore.estimate_driver`."""
+    """Arguments of `nvcore.estimate_driver`."""
 
     model: PathLike = argument(
         INPUTS,
@@ -97,19 +95,19 @@ class EstimateArguments(_RunArguments):
 
 @arguments
 class TrialArguments:
-    """What is learned from trials with people.
+    """Arguments that training and evaluation on trials with people share.
 
     Attributes
     ----------
     trials
-        CSV file, a row for each picture shown to a subject (docs/driver-reference.md).
+        CSV file with one row per picture shown to a subject (docs/driver-reference.md).
     features
-        CSV file of ``image,pedestrian`` and the eight features of the pictures.
+        CSV file with ``image,pedestrian`` and the eight features of each pedestrian.
     judging
-        Which responses are right; None: a square of 200 px around the touch overlaps the middle
-        half of the pedestrian.
+        Criterion for a correct response. None: a square of 200 px around the touch overlaps the
+        middle half of the pedestrian.
     progress
-        As of `driver_features`.
+        Same as in `driver_features`.
     """
 
     trials: PathLike
@@ -160,7 +158,7 @@ class TrialArguments:
 
 @arguments
 class TrainArguments(TrialArguments):
-    """See `nvcore.train_driver`."""
+    """Arguments of `nvcore.train_driver`."""
 
     out: PathLike = argument(
         OUTPUT,
@@ -174,7 +172,7 @@ class TrainArguments(TrialArguments):
 
 @arguments
 class EvaluateArguments(TrialArguments):
-    """See `nvcore.evaluate_driver`."""
+    """Arguments of `nvcore.evaluate_driver`."""
 
     out: PathLike | None = argument(
         OUTPUT,

@@ -25,7 +25,7 @@ DETECTABILITY_COLUMNS: Final = (
 )
 """Columns of a detectability file, one row per truth box that is not ignored.
 
-`period_s` is how long the eyes have adapted, `estimator_s` the period of the estimator.
+`period_s` is the time that the eyes had to adapt, `estimator_s` the period of the estimator.
 """
 SEPARATOR: Final = ";"
 """Separator in `outside_features`, as in the tables of a comparison."""
@@ -41,10 +41,10 @@ class Steps(NamedTuple):
     Attributes
     ----------
     n_crossing
-        Pedestrians (tracks) for whom the estimator of another period is taken from some frame on.
+        Pedestrians (tracks) whose estimates switch to another period's estimator at some frame.
     n_jumping
-        Those of them for whom the two estimators differ by more than the sd of each, on the
-        features of the same frame, so coming nearer does not count as a jump.
+        Those of them whose two estimates from the same frame's features differ by more than the sd
+        of each. Coming nearer therefore does not count as a jump.
     """
 
     n_crossing: int = 0
@@ -62,7 +62,7 @@ class EstimateRun:
     is_interpolated
         True if estimates are between the estimators of two periods.
     steps
-        Jumps from one estimator to the next, if they are not.
+        Jumps from one estimator to the next. None with interpolation.
     """
 
     features: FeatureRun
@@ -270,8 +270,9 @@ def run_estimate(
 ) -> EstimateRun:
     """Estimate the detectability of every pedestrian box from its features.
 
-    Boxes that lack a feature which the estimator needs get no estimate. Neither do those in grey
-    pictures that are not declared as visible light: far infrared says nothing about what eyes see.
+    Boxes that lack a feature which the estimator needs get no estimate. The same applies to grey
+    pictures that are not declared as visible light, because far infrared says nothing about what
+    eyes see.
 
     Parameters
     ----------
@@ -322,12 +323,12 @@ def steps_between_periods(
     Parameters
     ----------
     features
-        Of each row, as of `Estimator.estimate`, float64, shape (n, 8).
+        Features of each row, as for `Estimator.estimate`, float64, shape (n, 8).
     table
-        Of `EstimateRun`; boxes without a track are left out.
+        Table as in `EstimateRun`. Boxes without a track are skipped.
     taken_s
-        The period whose estimator was taken for each row, seconds, float64, shape (n,); NaN: none,
-        such rows are left out.
+        Period of the estimator that was used for each row, seconds, float64, shape (n,). Rows with
+        NaN (no estimator) are skipped.
 
     Examples
     --------
@@ -365,9 +366,9 @@ def _is_of_heat(features: FeatureRun) -> NDArray[np.bool_]:
 
 
 def _names(outside: NDArray[np.bool_]) -> NDArray[np.object_]:
-    """Join for each row the keys of the features outside the training range to one text.
+    """Return the keys of each row's features outside the training range, joined to one text.
 
-    Empty if no feature of the row is outside.
+    The text is empty if all features of a row are inside.
     """
     keys = np.array([f"{key}{SEPARATOR}" for key in FEATURE_KEYS], dtype=object)
     joined = pd.Series(np.where(outside, keys, "").sum(axis=1), dtype=object)
@@ -384,38 +385,39 @@ def simulate_change(
     interpolate: bool = False,
     real_s: NDArray[np.float64] | None = None,
 ) -> pd.DataFrame:
-    """Estimates as they would be, had it become dark at `change_s` of a recording.
+    """Estimate detectability as if it had become dark at `change_s` of a recording.
 
-    The pictures, and with them the features, stay what they are: only the time that the eyes have
-    had to adapt is another. Frames that end before the change keep their period; of the later ones
-    it runs from the change, until a real change comes after it.
+    Pictures and features stay the same. Only the time that the eyes had to adapt changes: frames
+    that end before the change keep their period, and in later ones it runs from the change until
+    the next real change.
 
     Parameters
     ----------
     features
-        Rows of one recording of a features file (`nvcore.driver.run.FEATURE_COLUMNS`), of
-        pictures of visible light: unlike `run_estimate`, it is not asked here what they are of.
+        Rows of one recording of a features file (`nvcore.driver.run.FEATURE_COLUMNS`), from
+        visible-light pictures. Unlike `run_estimate`, this function does not check the kind of
+        pictures.
     end_s
-        When the frame of each row ends, seconds from the recording's first frame, as the dataset
-        counts them, shape (n,).
+        End of each row's frame, seconds from the recording's first frame, as in the dataset, shape
+        (n,).
     change_s
-        On the same axis.
+        Time of the simulated change on the same axis.
     interpolate
-        As in `Estimator.estimate`.
+        Same as in `Estimator.estimate`.
     real_s
-        When it really became dark, on the same axis, float64 (`AdaptationClock.change_s`); None:
-        only what the periods of the rows say of it. A change that began and ended between two rows
-        is then not known.
+        Times of the real changes on the same axis, float64 (`AdaptationClock.change_s`). None:
+        derive them from the periods of the rows, which misses changes that began and ended between
+        two rows.
 
     Returns
     -------
-    One row per row, with its index: period_s (NaN: adapted), detectability, sd (0..1, NaN
-    unknown), is_outside, is_simulated (whether the period is that of the simulated change).
+    One row per row, with its index: period_s (NaN: adapted), detectability, sd (0..1, NaN unknown),
+    is_outside, is_simulated (whether the period runs from the simulated change).
 
     Raises
     ------
     ParameterError
-        Unless the time is finite.
+        If the time is not finite.
     """
     if not np.isfinite(change_s):
         raise ParameterError(f"change: expected seconds from the first frame, found {change_s:g}")

@@ -30,9 +30,9 @@ from nvcore.wording import MOST_NAMED, duration_text, number, one_line
 
 SUMMARY: Final = "summary.txt"
 EVALUATION_FILES: Final = (*(f"{name}.csv" for name in TABLES), SUMMARY)
-"""What an evaluation writes into its folder."""
+"""Files that an evaluation writes into its folder."""
 ERROR: Final = ".4f"
-"""Format of a mean squared error."""
+"""Number format of a mean squared error."""
 ERROR_TITLES: Final = {
     "own": "estimator",
     "own_constant": "constant",
@@ -43,7 +43,7 @@ ERROR_TITLES: Final = {
     "published_switched": "paper, switched",
     "published_single": "paper, single",
 }
-"""Titles of the columns of errors."""
+"""Titles of the error columns."""
 
 
 def render_table(table: TrainingTable) -> list[str]:

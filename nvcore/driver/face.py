@@ -36,19 +36,19 @@ if TYPE_CHECKING:
 @called_with(FeatureArguments)
 @pipes_kept()
 def driver_features(arguments: FeatureArguments) -> WrittenFeatures:
-    """Compute the light and eight features of how visible each pedestrian is in the pictures.
+    """Compute the light, and eight features of how visible each pedestrian is in the pictures.
 
     Parameters
     ----------
     out
-        Folder for ``features.csv`` and ``driver.json``, which says how they were made.
+        Folder for ``features.csv`` and its record ``driver.json``.
 
     Raises
     ------
     InputError
         If an input cannot be used or would be replaced, or no evaluated frame has a picture.
     MissingFactError
-        As `load`.
+        As for `load`.
     ParameterError
         If there is no such setting, or a value is outside its range.
     MissingExtraError
@@ -78,20 +78,20 @@ def image_features(
     Parameters
     ----------
     images
-        Folder of the pictures.
+        Folder with the pictures.
     boxes
-        CSV with the columns image, pedestrian, x, y, w, h (px), and where known fixation_x and
+        CSV with the columns image, pedestrian, x, y, w, h (px), and optionally fixation_x and
         fixation_y.
     out
-        CSV file to write: image, pedestrian, and the features. Beside it ``.json`` after its name
-        says how they were made.
+        CSV file to write: image, pedestrian, and the features. A record with the same name plus
+        ``.json`` is written beside it.
     settings, n_threads, progress
-        As of `driver_features`.
+        Same as in `driver_features`.
 
     Raises
     ------
     InputError
-        If a file cannot be used, with the line; or would be replaced.
+        If a file cannot be used, with the line, or would be replaced.
     """
     with needs("driver", "features of pictures need"):
         from nvcore.driver.feature_record import record_beside
@@ -109,7 +109,7 @@ def image_features(
     )
     content = to_csv_bytes(features.table)
     write_whole(path, content)
-    if path.is_file():  # beside a pipe there is no room
+    if path.is_file():  # no record beside a pipe
         write_whole(record_beside(path), features.record({path.name: content}))
     return features
 
@@ -119,15 +119,15 @@ def image_features(
 def estimate_driver(arguments: EstimateArguments) -> WrittenEstimates:
     """Estimate how likely the driver sees each pedestrian unaided, in every frame.
 
-    The settings of the model's features are taken where they are not given. ``session.toml`` is the
-    session with the estimates, which `compare` takes.
+    Feature settings that are not given are those of the model. ``session.toml`` is the session with
+    the estimates for `compare`.
 
     Raises
     ------
     InputError
-        As `driver_features`, or if the model cannot be used, or no pedestrian can be estimated.
+        As for `driver_features`, or if the model cannot be used, or no pedestrian can be estimated.
     MissingFactError, ParameterError, MissingExtraError
-        As `driver_features`.
+        As for `driver_features`.
     """
     with keywords_named(), driver_job(arguments) as job:
         estimates: WrittenEstimates = job(arguments.progress)
@@ -143,7 +143,7 @@ def driver_job(
 ) -> Iterator[Callable[[Progress], Any]]:
     """Check the arguments of `driver_features` or `estimate_driver`, and yield its run.
 
-    Parameters are those of `nvcore.detectors.face.detector_job`, errors those of the two calls.
+    Parameters as for `nvcore.detectors.face.detector_job`, errors as for the two calls.
     """
     estimate = arguments if isinstance(arguments, EstimateArguments) else None
     what = "estimates of what the driver sees" if estimate else "features of pictures"
@@ -192,7 +192,7 @@ def train_driver(arguments: TrainArguments) -> Training:
     Parameters
     ----------
     name
-        Name of the model. None: the name of the file.
+        Name of the model. None: the file name.
 
     Returns
     -------
@@ -238,7 +238,7 @@ def evaluate_driver(arguments: EvaluateArguments) -> Evaluation:
     Returns
     -------
     Evaluation
-        `nvcore.driver.evaluation.evaluation_tables` makes tables of it.
+        `nvcore.driver.evaluation.evaluation_tables` converts it to tables.
 
     Raises
     ------

@@ -14,7 +14,7 @@ from nvcore.driver.features import FeatureSettings
 from nvcore.records import convert, decode, read_record, values_of
 
 RECORD_FILE: Final = "driver.json"
-"""The record of features of recordings, in their folder."""
+"""Record file of recordings' features, in their folder."""
 _ENTRIES: Final = {
     "files": Mapping[str, object],
     "settings": Mapping[str, object],
@@ -25,7 +25,7 @@ _LONGEST_SIDE: Final = 2**32
 
 
 def record_beside(features: Path) -> Path:
-    """Return the path of the record of a feature file: its name and ``.json``."""
+    """Return the path of the record of a feature file: its name plus ``.json``."""
     return features.with_name(f"{features.name}.json")
 
 
@@ -39,12 +39,13 @@ def record_bytes(contents: Mapping[str, bytes], **entries: object) -> bytes:
 def about_features(features: Path) -> tuple[FeatureSettings | None, tuple[int, int] | None]:
     """Return the settings behind a feature file, and width and height of all its pictures.
 
-    None: no record beside it is about this content or, of the size, the record does not say it.
+    Both are None if no record beside the file describes this content. The size is also None if the
+    record does not state it.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or a record about it is none.
+        If the file cannot be read, or its record is invalid.
     """
     if not features.is_file():
         return None, None
@@ -64,7 +65,7 @@ def picture_px_from_json(content: object) -> tuple[int, int] | None:
     Raises
     ------
     ValueError
-        If it is something else.
+        If the value is anything else.
     """
     sides: tuple[int, int] | None = convert(tuple[int, int] | None, content, "picture_px")
     if sides is not None and not all(1 <= side <= _LONGEST_SIDE for side in sides):

@@ -1,24 +1,23 @@
-"""Filter a picture to look as drivers see it in the seconds after the light has changed.
+"""Filter a picture to look as drivers see it in the seconds after a change of light.
 
-Two things are worse at once and recover while the eyes adapt, each as an exponential of the time
-since the change:
+Contrast and acuity drop at the change and recover exponentially while the eyes adapt:
 
-- *Contrast.* In bands of an octave (a Laplacian pyramid), what differs from its surround by less
-  than a threshold disappears, and what differs by more loses as much; colours fade with it.
+- *Contrast.* In octave bands (a Laplacian pyramid), differences from the surround below a
+  threshold disappear, and larger ones shrink by the threshold. Colours fade with the contrast.
 - *Acuity.* Details smaller than a visual angle blur.
 
-The picture is one for people to look at. It shows what the estimators (`nvcore.driver.estimators`)
-are about, but they do not use it, and nobody was measured for it: the form of the model is
-published, its numbers are ours (`FilterSettings`).
+The picture is meant for people to look at. It illustrates what the estimators
+(`nvcore.driver.estimators`) model, but they do not use it, and nobody was measured for it. The form
+of the model is published, its numbers are our choice (`FilterSettings`).
 
 References
 ----------
 R. M. Boynton, N. D. Miller: Visual performance under conditions of transitional adaptation,
-Illuminating Engineering 58 (1963): that thresholds of contrast rise at once where the light
-changes, and fall again within seconds.
+Illuminating Engineering 58 (1963). Contrast thresholds rise at once when the light changes, and
+fall again within seconds.
 
 E. Peli: Contrast in complex images, Journal of the Optical Society of America A 7 (1990),
-2032-2040: contrast by octave, relative to the local mean, and a threshold for each place.
+2032-2040. Contrast by octave, relative to the local mean, with a threshold for each place.
 
 P. J. Burt, E. H. Adelson: The Laplacian pyramid as a compact image code, IEEE Transactions on
 Communications 31 (1983), 532-540.
@@ -41,13 +40,13 @@ with needs("driver", "the picture as the driver sees it needs"):
     import cv2
 
 OCTAVES: Final = 6
-"""Bands of the pyramid; the finest is of single pixels."""
+"""Number of bands of the pyramid. The finest one has single pixels."""
 LEAST_SIGMA_PX: Final = 0.2
-"""Blur of less than that is none."""
+"""Minimum blur. Less is treated as none."""
 MOST_SIGMA_PX: Final = 100.0
-"""More blur than that is drawn as that: it would take minutes, and nothing is left to see."""
+"""Maximum blur. More would take minutes, and nothing is left to see."""
 LEAST_THRESHOLD: Final = 1 / 1024
-"""A threshold of less than that is none: it moves no grey level."""
+"""Minimum threshold. A smaller one changes no grey level and is treated as none."""
 _RANGES: Final = {
     "threshold": (0.0, 100.0),
     "threshold_decay_s": (0.01, 3600.0),
@@ -68,20 +67,20 @@ class FilterSettings:
     Attributes
     ----------
     threshold
-        Contrast that disappears at the change: difference of light, relative to the surround.
+        Contrast that disappears at the change: difference of light relative to the surround.
     threshold_decay_s
-        In so many seconds the threshold falls to 1/e. With 1.5 a twentieth of it is left after
-        4.5 s, when detectability rises no more in the paper.
+        Time in which the threshold falls to 1/e. With 1.5 s, a twentieth of it is left after 4.5 s,
+        when detectability stops rising in the paper.
     blur_arcmin
         Visual angle of the details that blur at the change, minutes of arc.
     blur_decay_s
-        In so many seconds that angle falls to 1/e.
+        Time in which that angle falls to 1/e.
     width_degrees
-        Angle of the driver's view that a picture shows from side to side, degrees.
+        Horizontal angle of view of the picture, degrees.
     gamma
-        Of the display: light is the grey level to that power.
+        Gamma of the display: light is the grey level to this power.
     veil_level
-        Grey levels of stray light in the eye: in the black there is no contrast.
+        Grey levels of stray light in the eye, which removes contrast in black areas.
     """
 
     threshold: float = 0.6
@@ -105,13 +104,13 @@ def contrast_threshold(period_s: float, settings: FilterSettings | None = None) 
 def blur_px(period_s: float, width_px: int, settings: FilterSettings | None = None) -> float:
     """Return the SD of the blur in px `period_s` after the change, 0 for NaN.
 
-    Half the angle of the details that blur: of bars that wide 0.3 of the contrast is left. At the
-    most `MOST_SIGMA_PX`.
+    This is half the angle of the details that blur: bars of that width keep 0.3 of their contrast.
+    The maximum is `MOST_SIGMA_PX`.
 
     Parameters
     ----------
     width_px
-        Of the picture: a larger one of the same scene blurs over as many pixels more.
+        Width of the picture. The blur in px is proportional to it.
     """
     settings = settings or FilterSettings()
     angle = settings.blur_arcmin * _left(period_s, settings.blur_decay_s)
@@ -126,20 +125,20 @@ def as_the_driver_sees(
     Parameters
     ----------
     picture
-        Of visible light, grey (h, w) or RGB (h, w, 3), uint8.
+        Visible-light picture, grey (h, w) or RGB (h, w, 3), uint8.
     period_s
-        Adaptation period, seconds; NaN or infinite: the eyes are adapted.
+        Adaptation period, seconds. NaN or infinite: the eyes are adapted.
     settings
-        None: our defaults.
+        Settings of the filter. None: our defaults.
 
     Returns
     -------
-    uint8, of the same shape; the picture itself where the eyes are adapted.
+    uint8, of the same shape. The picture itself if the eyes are adapted.
 
     Raises
     ------
     ParameterError
-        If the period is negative, or the picture has no pixel or is of another shape or type.
+        If the period is negative, or the picture has no pixel or another shape or type.
 
     Examples
     --------
@@ -179,7 +178,7 @@ def _above_threshold(
 ) -> NDArray[np.float32]:
     """Remove contrasts below the threshold from grey levels, float32.
 
-    Of small contrasts, that of light is `gamma` times that of the grey levels.
+    For small contrasts, the contrast of light is `gamma` times that of grey levels.
     """
     share = threshold / settings.gamma
     bands, means = [], []

@@ -1,4 +1,4 @@
-"""Estimates of detectability: rows of no box, and boxes without one."""
+"""Findings about detectability estimates: rows without a box, and boxes without an estimate."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ OTHER_FRAMES = "frame not listed"
 
 
 def audit_detectability(dataset: Dataset) -> list[Finding]:
-    """Findings on a file of estimates; none where the session names none."""
+    """Return findings about a session's file of estimates, or none without such a file."""
     if dataset.of("driver") is None:
         return []
     lost = dataset.left_out.reset_index(drop=True)

@@ -1,4 +1,4 @@
-"""Fixation point of the driver: from a gaze file, else an assumed fixed point.
+"""Fixation point of the driver, from a gaze file or assumed fixed.
 
     frame,x,y
     212,960.5,540
@@ -55,13 +55,13 @@ class Gaze:
 def read_gaze(path: Path) -> Gaze:
     """Read gaze points from a CSV file with the columns frame, x and y.
 
-    Points may lie outside the picture. No pedestrian is near the fixation then.
+    Points may lie outside the picture. No pedestrian is near the fixation in that case.
 
     Raises
     ------
     InputError
-        If the file cannot be opened, or all points are in 0 to 1 like shares of the picture. With
-        the line: if a field is no number or too large, or a frame occurs twice.
+        If the file cannot be opened, all points are in 0 to 1 like shares of the picture, a field
+        is not a valid number, or a frame occurs twice. Errors in a row state the line.
     """
     table = read_table(path, what="fixations", required=GAZE_COLUMNS)
     frame = table.whole_numbers("frame", low=-int(MAX_INTEGER))
@@ -88,7 +88,7 @@ class FixedPoint:
     Attributes
     ----------
     x, y
-        Share of the picture's width and height; (0.5, 0.5) is its middle.
+        Share of the picture's width and height. (0.5, 0.5) is the middle.
     """
 
     x: float = 0.5

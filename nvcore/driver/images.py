@@ -3,7 +3,7 @@
     image,pedestrian,x,y,w,h,fixation_x,fixation_y
     park.jpg,1,612,388,31,74,480,270
 
-The columns or cells of the fixation may be missing: a point is assumed then.
+Fixation columns or cells may be missing. A fixed point is assumed in that case.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from nvcore.wording import did_you_mean, listed
 
 FIXATION_COLUMNS: Final = ("fixation_x", "fixation_y")
 _ALIKE: Final = 0.8
-"""Minimum similarity (`difflib`) at which a column is taken for a misspelt one."""
+"""Minimum similarity (`difflib`) for treating a column name as a misspelling."""
 IMAGE_FEATURE_COLUMNS: Final = (*PEDESTRIAN, *BOX, *FEATURE_KEYS)
 
 
@@ -110,7 +110,7 @@ def image_features(
 ) -> ImageFeatures:
     """Compute features of the pedestrians listed in a file, in the pictures of a folder.
 
-    Parameters and errors are those of `nvcore.image_features`.
+    Parameters and errors as for `nvcore.image_features`.
     """
     settings = settings or DriverViewSettings()
     table = read_picture_boxes(boxes)

@@ -138,7 +138,7 @@ def light_doubt(
 ) -> Note | None:
     """Return a clause that suggests another unit or clock of the light meter, or None.
 
-    Parameters are as of `light_note`.
+    Parameters as for `light_note`.
     """
     if light is None or light.source is LightSource.PICTURE:
         return None

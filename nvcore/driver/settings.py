@@ -1,4 +1,4 @@
-"""What a run over recordings is told about features, light and fixation."""
+"""Settings of a run over recordings: features, light and fixation."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from nvcore.wording import did_you_mean, listed
 
 @dataclass(frozen=True, kw_only=True)
 class DriverViewSettings:
-    """How the driver's view is computed.
+    """Settings of the computation of the driver's view.
 
     Attributes
     ----------
     features, light
-        What the paper leaves open.
+        Values that the paper leaves open.
     fixation
-        Where the driver is assumed to look in recordings without a gaze file.
+        Assumed fixation point in recordings without a gaze file.
     """
 
     features: FeatureSettings = field(default_factory=FeatureSettings)
@@ -33,15 +33,15 @@ class DriverViewSettings:
 def settings_from(
     given: Mapping[str, Any], *, features: FeatureSettings | None = None
 ) -> DriverViewSettings:
-    """Settings by their names; what is not given has its default.
+    """Create settings from values by name. Missing values have their defaults.
 
     Parameters
     ----------
     given
-        Fields of `FeatureSettings` and `LightSettings`, and ``fixation``: the assumed point, as
+        Fields of `FeatureSettings` and `LightSettings`, and ``fixation``: the assumed point as
         shares of the picture's width and height.
     features
-        Of the features where they are not given, as an estimator's are; None: our defaults.
+        Feature settings for values that are not given, such as an estimator's. None: our defaults.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Checks of arrays and settings that callers hand over."""
+"""Validation of arrays and settings from callers."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from nvcore.errors import ParameterError
 
 
 def check_picture(picture: object) -> None:
-    """Refuse what is no picture of 8 bits: grey (h, w) or RGB (h, w, 3), with a pixel.
+    """Validate an 8-bit picture: grey (h, w) or RGB (h, w, 3), with at least one pixel.
 
     Raises
     ------
     ParameterError
-        With what was found.
+        Names what was found instead.
     """
     if not isinstance(picture, np.ndarray):
         raise ParameterError(
@@ -31,17 +31,17 @@ def check_picture(picture: object) -> None:
 
 
 def rows_of(values: ArrayLike, n_columns: int, name: str) -> NDArray[np.float64]:
-    """Rows of numbers, float64, shape (n, n_columns); NaN is not known.
+    """Convert to rows of numbers, float64, shape (n, n_columns). NaN stands for unknown.
 
     Parameters
     ----------
     name
-        For errors.
+        Name for error messages.
 
     Raises
     ------
     ParameterError
-        If they are of another shape, no numbers, or infinite.
+        If the values have another shape, are not numbers, or are infinite.
     """
     try:
         rows = np.asarray(values, np.float64)
@@ -57,12 +57,12 @@ def rows_of(values: ArrayLike, n_columns: int, name: str) -> NDArray[np.float64]
 
 
 def check_ranges(settings: object, ranges: Mapping[str, tuple[float, float]]) -> None:
-    """Refuse settings outside their ranges, and NaN.
+    """Reject settings that are NaN or outside their ranges.
 
     Raises
     ------
     ParameterError
-        With the name of the field, its range and its value.
+        States the name of the field, its range and its value.
     """
     for name, (low, high) in ranges.items():
         value = getattr(settings, name)

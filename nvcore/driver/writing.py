@@ -28,7 +28,7 @@ ESTIMATE_OUTPUTS: Final = (DETECTABILITY_FILE, FEATURES_FILE, RECORD_FILE, SESSI
 
 @dataclass(frozen=True)
 class WrittenFeatures:
-    """Files of `write_features`: the table, and the record of how it was made."""
+    """Files written by `write_features`: the table, and its record."""
 
     features: Path
     record: Path
@@ -37,7 +37,7 @@ class WrittenFeatures:
 
 @dataclass(frozen=True)
 class WrittenEstimates:
-    """Files of `write_estimates`: a session with the estimates, and what they are made from."""
+    """Files written by `write_estimates`: a session with the estimates, and their sources."""
 
     session: Path
     detectability: Path
@@ -47,12 +47,12 @@ class WrittenEstimates:
 
 
 def write_features(run: FeatureRun, folder: Path) -> WrittenFeatures:
-    """Write the features and the record of how they were made.
+    """Write the features and their record.
 
     Raises
     ------
     InputError
-        If the folder cannot be written to.
+        If the folder is not writable.
     """
     content = to_csv_bytes(run.table)
     record = _record(run, {FEATURES_FILE: content})
@@ -61,7 +61,7 @@ def write_features(run: FeatureRun, folder: Path) -> WrittenFeatures:
 
 
 def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> WrittenEstimates:
-    """Write the estimates, their features and record, and a session that names them.
+    """Write the estimates with their features and record, and a session that names them.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
     Raises
     ------
     InputError
-        If the folder cannot be written to, or none of the pedestrians has an estimate.
+        If the folder is not writable, or no pedestrian has an estimate.
     """
     run.refuse_empty()
     session = dataset.settings

@@ -1,1 +1,1 @@
-"""Comparison of X and Y with what the driver sees unaided."""
+"""Comparison of X and Y with what drivers see unaided."""

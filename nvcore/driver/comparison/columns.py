@@ -1,4 +1,4 @@
-"""What the driver adds to the CSV files of a report and to ``summary.json``."""
+"""Columns about the driver in the CSV files of a report and in ``summary.json``."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ _KNOWN: Final = (
 
 
 def _of_encounters(result: Result) -> dict[str, Any]:
-    """What is known of the driver's own view of each encounter."""
+    """Return the columns about the driver's view of each encounter."""
     driver = driver_in(result)
     table, is_known = driver.table, driver.is_known
     return {
@@ -160,12 +160,12 @@ def _of_encounters(result: Result) -> dict[str, Any]:
 
 
 def driver_views(dataset: Dataset) -> dict[str, np.ndarray]:
-    """What is known of the driver's view of each recording, as its session says.
+    """Return which data on the driver's view each recording has, according to the session.
 
     Returns
     -------
-    By name, shape (n_recordings,): has_visible (bool, pictures of visible light), light_by
-    ("meter", "picture" or empty: what tells the light), has_gaze (bool, where the driver looked).
+    By name, shape (n_recordings,): has_visible (bool, visible-light pictures), light_by ("meter",
+    "picture" or empty: source of the brightness), has_gaze (bool, gaze file).
     """
     names = dataset.recordings["name"].tolist()
     session = dataset.settings
@@ -195,7 +195,7 @@ COLUMNS: Final = (
 
 _NOBODY_URGENT: Final = "it is known of no urgent encounter whether the driver sees it"
 Members = Callable[[Result], np.ndarray]
-"""Encounters of a kind; bool, shape (n_encounters,)."""
+"""Mask of the encounters of a kind, bool, shape (n_encounters,)."""
 
 
 def _entry(
@@ -207,7 +207,7 @@ def _entry(
     unit: str = "encounters",
     empty: str = "",
 ) -> SummaryEntry:
-    """Count encounters, or return None unless there are some `of` which they are."""
+    """Return an entry that counts encounters. It is None without encounters of kind `of`."""
 
     def count(result: Result) -> int | None:
         is_defined = of is None or of(result).any()
@@ -270,7 +270,7 @@ ENTRIES: Final = (
         "driver.in_time",
         "Of these, the ones that the driver sees while the car can still stop.",
         is_driver_in_time,
-        of=is_judged_in_time,  # so that no rule passes because nobody is urgent
+        of=is_judged_in_time,  # so that the rule fails if no encounter is urgent
         empty=_NOBODY_URGENT,
     ),
     _entry(

@@ -1,4 +1,4 @@
-"""Tables about the driver's view of encounters: detectability, and who sees which encounter."""
+"""Tables on the driver's view of encounters: detectability, and who sees which encounter."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ REGION_NAMES: Final[dict[DriverRegion, str]] = {
     DriverRegion.NOBODY: "none of them",
     DriverRegion.UNKNOWN: "unknown of the driver",
 }
-"""Who sees the encounters of a region, in short."""
+"""Short description of who sees the encounters of a region."""
 
 
 DRIVER_THRESHOLDS: Final = np.arange(5, 100, 5) / 100
-"""Those of `over_driver_threshold`."""
+"""Thresholds tabulated by `over_driver_threshold`."""
 Sight = Literal["sees", "unseen", "open", "unknown", "distant"]
 SIGHT_WORDS: Final[dict[Sight, str]] = {
     "sees": "sees",
@@ -38,7 +38,7 @@ SIGHT_WORDS: Final[dict[Sight, str]] = {
     "open": "open",
     "unknown": "not known",
 }
-"""Whether the driver sees the pedestrian of a near encounter, in short."""
+"""Short description of whether the driver sees the pedestrian of a near encounter."""
 
 
 def driver_sights(result: Result) -> np.ndarray:
@@ -46,9 +46,8 @@ def driver_sights(result: Result) -> np.ndarray:
 
     Returns
     -------
-    Values of `Sight`, object, shape (n_encounters,): ``open`` where the largest detectability up to
-    the first frame that counts is no further than its standard deviation from `driver_threshold`,
-    whatever its side.
+    Values of `Sight`, object, shape (n_encounters,). ``open`` means that the largest detectability
+    up to the first relevant frame is within its standard deviation of `driver_threshold`.
     """
     driver = driver_in(result)
     claims = [~driver.is_near, ~driver.is_known, driver.is_within_sd, driver.is_seen]
@@ -91,7 +90,7 @@ def driver_venn_table(result: Result) -> pd.DataFrame:
     Returns
     -------
     Columns region (`nvcore.schema.DriverRegion`), who (in short), encounters, severity_x,
-    severity_y (what the systems' failures weigh there, s), meaning (a sentence).
+    severity_y (severity of the systems' failures there, s), meaning (a sentence).
     """
     severity_s = [system.failures["severity_s"].to_numpy() for _, system in result.sides]
     rows = []
@@ -106,17 +105,17 @@ def driver_venn_table(result: Result) -> pd.DataFrame:
 
 
 def over_driver_threshold(result: Result) -> pd.DataFrame:
-    """Count whom the driver, X and Y see at each of `DRIVER_THRESHOLDS`.
+    """Count the encounters that driver, X and Y see, at each of `DRIVER_THRESHOLDS`.
 
-    Counted from the largest detectability of each encounter and who detects it: nothing is compared
-    anew.
+    The counts use the largest detectability of each encounter and the existing matches. Nothing is
+    recomputed.
 
     Returns
     -------
-    One row for each of `DRIVER_THRESHOLDS`, of the near encounters of which it is known:
-    driver_threshold, known (how many these are, the same in each row), seen (by the driver,
-    unaided), useful_x, useful_y (detected by the system, not seen by the driver; higher is better),
-    nobody (neither the driver nor X nor Y; lower is better). No row where it is known of none.
+    One row for each of `DRIVER_THRESHOLDS`, over near encounters with known detectability:
+    driver_threshold, known (number of these encounters, equal in all rows), seen (by the driver
+    unaided), useful_x, useful_y (detected by the system, not seen by the driver, higher is better),
+    nobody (neither the driver nor X nor Y, lower is better). Empty if detectability is never known.
     """
     driver = driver_in(result)
     is_known, n_known = driver.is_known, driver.n_known
@@ -146,11 +145,11 @@ def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
 
     Returns
     -------
-    One row per annotated frame: row (of the frames table), truth_row (of the truth's boxes),
-    time_s, detectability, sd (0..1, NaN unknown), is_outside (estimated outside the range of the
-    training), is_up_to_relevant (up to the first relevant frame, by which the driver has to see
-    the pedestrian; False throughout for a distant one).
-    Of a track id given twice in a frame, the box of the larger detectability.
+    One row per annotated frame: row (of the frames table), truth_row (of the truth boxes), time_s,
+    detectability, sd (0..1, NaN unknown), is_outside (estimated outside the training range),
+    is_up_to_relevant (up to the first relevant frame, by which the driver has to see the
+    pedestrian, and False throughout for a distant one). If a frame has a track id twice, the box
+    with the larger detectability counts.
     """
     encounters, known = result.encounters, result.dataset.detectability
     places = slice(int(encounters.offsets[encounter]), int(encounters.offsets[encounter + 1]))
@@ -180,15 +179,15 @@ def features_of_course(
     Parameters
     ----------
     course
-        Of `detectability_course`.
+        Table from `detectability_course`.
     features
-        Of the recording (`nvcore.driver.run.FEATURE_COLUMNS`): a row for each of its boxes
+        Features of the recording (`nvcore.driver.run.FEATURE_COLUMNS`), with one row for each box
         that is not ignored.
 
     Returns
     -------
-    A row for each of the course, with its index; NaN where the box is ignored. None where the
-    features are of other boxes.
+    One row per row of the course, with its index, NaN if the box is ignored. None if the features
+    belong to other boxes.
     """
     truth, frames = result.dataset.truth, result.dataset.frame_columns
     recording = int(frames.recording[int(course["row"].iloc[0])])
@@ -213,9 +212,8 @@ def saved_encounters(result: Result) -> pd.DataFrame:
 
     Returns
     -------
-    Rows of `nvcore.tables.result.encounters_table`, the index being the row in
-    ``result.encounters``, with the column system: ``x`` or ``y``. The fastest impact that the
-    system avoids first.
+    Rows of `nvcore.tables.result.encounters_table` with the column system, ``x`` or ``y``. The
+    index is the row in ``result.encounters``. The fastest avoided impact comes first.
     """
     table = encounters_table(result)
     is_alone = {letter: is_in_time_alone(result, system) for letter, system in result.sides}

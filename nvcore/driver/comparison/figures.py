@@ -1,4 +1,4 @@
-"""Figures of the driver: detectability over time, counts over its threshold, who sees whom."""
+"""Figures on the driver: detectability over time, counts by threshold, who sees which encounter."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ from nvcore.wording import count_text
 HEIGHT_PX: Final = 300
 WITH_LIGHT_PX: Final = 540
 ADAPTING_S: Final = (5.0, 10.0)
-"""Least and largest upper end of the adaptation axis, as the first seconds matter most."""
+"""Minimum and maximum upper end of the adaptation axis, as the first seconds matter most."""
 OUTSIDE_AT: Final = -0.06
-"""Height of the strokes of doubtful frames, below 0, where no estimate can lie."""
+"""Position of the marks for doubtful frames, below 0 so that no estimate is there."""
 ROOM_S: Final = 0.5
 """Time shown before and after the pedestrian."""
 SIMULATED: Final[dict[Shade, str]] = {"light": "#8E3A8A", "dark": "#D68FD0"}
-"""Colours other than those of X, Y and truth."""
+"""Colours of simulated values, distinct from those of X, Y and truth."""
 LIGHT: Final = {
     LightSource.METER: ("light (lx)", "light by the light meter"),
     LightSource.PICTURE: ("picture's mean", "light by the pictures' mean luminance, a stand-in"),
 }
-"""Title of the axis of light, and words for the subtitle."""
+"""Title of the light axis, and words for the subtitle."""
 UNKNOWN: Final = "nothing is known of the light"
 MARK_PX: Final = 7
 RADIUS: Final = 0.9
@@ -51,7 +51,7 @@ PLACES: Final[dict[DriverRegion, tuple[float, float]]] = {
     DriverRegion.Y: (0.95, -0.6),
     DriverRegion.NOBODY: (1.6, 0.9),
 }
-"""Place of each region's count."""
+"""Position of each region's count."""
 
 
 def detectability_course_plot(
@@ -73,14 +73,14 @@ def detectability_course_plot(
     course
         Course from `nvcore.driver.comparison.encounters.detectability_course`.
     threshold
-        Least detectability with which the driver sees the pedestrian, 0..1.
+        Minimum detectability at which the driver sees the pedestrian, 0..1.
     clock
-        Light and adaptation of the pedestrian's recording; None: the light is unknown.
+        Light and adaptation of the pedestrian's recording. None: the light is unknown.
     simulated
         The course with `detectability` after a simulated change of light
-        (`nvcore.driver.estimate.simulate_change`), which `clock` then has, too.
+        (`nvcore.driver.estimate.simulate_change`). `clock` then has that change as well.
     caution
-        Origin of the estimates, if some of the answers behind them were simulated.
+        Origin of the estimates, if some of the underlying answers were simulated.
     """
     look, known = LOOK[theme], course[course["detectability"].notna()]
     if known.empty:
@@ -146,7 +146,7 @@ def _band(known: pd.DataFrame, look: ChartLook) -> go.Scatter:
     stretch = np.cumsum(frames["row"].diff().ne(1))
     x: list[float | None] = []
     y: list[float | None] = []
-    for _, part in frames.groupby(stretch):  # a handful for each encounter
+    for _, part in frames.groupby(stretch):  # a handful per encounter
         low, high = ((part["detectability"] + way * part["sd"]).clip(0, 1) for way in (-1, 1))
         x += [*part["time_s"], *part["time_s"][::-1], None]
         y += [*high, *low[::-1], None]
@@ -187,7 +187,7 @@ def _light(
     low, high = -1, 0  # exponents of ten that enclose all readings
     if len(bright):
         low, high = math.floor(np.log10(bright.min())), math.ceil(np.log10(bright.max()))
-    level = np.where(clock.level <= 0, 10.0**low, clock.level)  # 0 has no place on such an axis
+    level = np.where(clock.level <= 0, 10.0**low, clock.level)  # the logarithmic axis has no 0
     traces = []
     for values, place, name in (
         (level, "y2", "light"),
@@ -291,8 +291,8 @@ def driver_venn_plot(
     """Draw a Venn diagram of the near encounters that the driver, X and Y see.
 
     A click on a count gives its region (`nvcore.driver.comparison.judging.DriverRegion`) as
-    `customdata`. The circles are of one size: three counts and their overlaps cannot be areas of
-    circles.
+    `customdata`. All circles have the same size, because the areas of three circles cannot show
+    three counts and their overlaps.
     """
     look = LOOK[theme]
     n_known = sum(counts[region] for region in PLACES)

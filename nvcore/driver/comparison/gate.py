@@ -1,4 +1,4 @@
-"""Gate rules about the driver: undefined measures, notes, and the encounters that they count."""
+"""Gate rules on the driver: undefined measures, notes, and the encounters that they count."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ OF_DRIVER: Final = frozenset(
         *(name for name, measure in MEASURE_OF.items() if DRIVER in measure.stages),
     }
 )
-"""Measures that rest on whom the driver sees: of the encounters of which it is known."""
+"""Measures that depend on whom the driver sees, over encounters with known detectability."""
 OF_URGENT: Final = frozenset(
     name
     for name in OF_DRIVER
     if name in ("driver.urgent", "driver.in_time", "driver.too_late") or "in_time_alone" in name
 )
-"""Those of them that count urgent encounters alone."""
+"""Subset of these measures that count urgent encounters only."""
 OF_ANY_ESTIMATOR: Final = frozenset(
     {
         f"driver_venn.{DriverRegion.UNKNOWN}",
         *("driver.urgent", "driver.boxes_without_detectability"),
     }
 )
-"""Those of them that are as good with an estimator that learned nothing."""
+"""Subset of these measures that look equally good for an estimator that learned nothing."""
 
 
 def _notes(result: Result, name: str) -> tuple[Note, ...]:

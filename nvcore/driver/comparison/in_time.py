@@ -25,8 +25,8 @@ def is_driver_in_time(result: Result) -> np.ndarray:
     """Return which urgent encounters the driver sees unaided while the car can still stop.
 
     The driver confirms in the first frame in which detectability reaches `driver_threshold`, even
-    if that is after the first relevant one (docs/decisions/055-driver-in-time.md). False, too,
-    where it is not known (`is_judged_in_time`).
+    if that is after the first relevant one (docs/decisions/055-driver-in-time.md). The mask is also
+    False if detectability is unknown (`is_judged_in_time`).
     """
     row = driver_in(result).table["confirmed_row"].to_numpy()
     is_before = (row >= 0) & (row < time_left_in(result).urgency["urgent_row"].to_numpy())
@@ -44,7 +44,7 @@ def is_seen_too_late(result: Result) -> np.ndarray:
 def is_in_time_alone(result: Result, system: SystemResult) -> np.ndarray:
     """Return which urgent encounters only this system confirms in time, and not the driver.
 
-    False where it is not known of the driver.
+    False if the detectability is unknown.
     """
     (other,) = (side for _, side in result.sides if side is not system)
     by_others = is_driver_in_time(result) | is_in_time(other)
@@ -58,9 +58,9 @@ class InTimeVenn(NamedTuple):
     Attributes
     ----------
     driver
-        By the driver unaided, whoever else does.
+        Confirmed by the driver unaided, regardless of the systems.
     both, x, y, nobody
-        Not by the driver, but by both systems, one alone, or neither.
+        Not confirmed by the driver, but by both systems, by one alone, or by neither.
     """
 
     driver: int

@@ -1,7 +1,7 @@
 """Judge whom the driver sees unaided, and combine that with what X and Y detect.
 
-Detectability is the share of drivers, 0 to 1, who would see the pedestrian of a truth box by
-themselves. It is stated by the ground truth, or estimated from pictures.
+Detectability is the share of drivers, 0 to 1, who would see the pedestrian of a truth box unaided.
+It is stated by the ground truth, or estimated from pictures.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ def judge_driver(
     """Judge whether the driver sees each pedestrian unaided by the first relevant frame.
 
     The driver sees a pedestrian if detectability reaches `driver_threshold` in a frame up to the
-    first relevant one (``k >= 0.5``). The first such frame is the confirmation. Frames of unknown
-    detectability are passed over.
+    first relevant one (``k >= 0.5``). The first such frame is the confirmation. Frames with unknown
+    detectability are skipped.
 
     Parameters
     ----------
@@ -70,25 +70,26 @@ def judge_driver(
 
     Returns
     -------
-    One row per encounter: detectability (the largest up to the first relevant frame, 0..1; NaN: the
-    encounter is distant, or it is known in none of these frames), sd (of that largest one),
-    is_within_sd (whether it is no further than its sd from the threshold), n_known (frames among
-    these in which it is known), n_seen (in which it reaches `driver_threshold`), is_outside
-    (whether what decides was estimated outside the range of the training: the largest one, and
-    where it is below the threshold any of them), is_adapted (whether the largest one was estimated
-    for adapted eyes: no change from bright to dark is known before), seen_row (frame row of the
-    confirmation, -1: not seen, or unknown), confirmed_row (the first frame of all,
-    later ones too, in which it reaches the threshold; -1: none), known_row (the first frame of all
-    in which it is known; -1: none).
+    One row per encounter: detectability (the largest one up to the first relevant frame, 0..1, NaN
+    if the encounter is distant or it is unknown in all of these frames), sd (of that value),
+    is_within_sd (whether that value is within its sd of the threshold), n_known (number of these
+    frames with known detectability), n_seen (number of these frames in which it reaches
+    `driver_threshold`), is_outside (whether the decision rests on an estimate outside the training
+    range: the largest one, or any of them if the largest is below the threshold), is_adapted
+    (whether the largest one was estimated for adapted eyes, that is, no change from bright to dark
+    is known before), seen_row (frame row of the confirmation, -1 if not seen or unknown),
+    confirmed_row (first frame overall, including later ones, in which it reaches the threshold, -1
+    if none), known_row (first frame overall in which it is known, -1 if none).
 
     References
     ----------
-    ``docs/driver.md``, in the comparison; ``docs/decisions/050-driver-in-the-comparison.md``.
+    ``docs/driver.md``, section on the comparison.
+    ``docs/decisions/050-driver-in-the-comparison.md``.
     """
     n, threshold, order = len(encounters), params.driver_threshold, encounters.order
     encounter = np.repeat(np.arange(n), np.diff(encounters.offsets))
     frame, value = encounters.frame_index, detectability.value[order]
-    frame_at = np.append(frame, -1)  # at place -1: none
+    frame_at = np.append(frame, -1)  # index -1 stands for none
 
     def first(is_member: np.ndarray) -> np.ndarray:
         """Return the first place of a member in each encounter, -1 for none."""
@@ -123,7 +124,7 @@ def judge_driver(
             "sd": sd,
             "is_outside": is_outside | ((seen_row < 0) & (n_outside > 0)),
             "is_adapted": is_adapted,
-            "is_within_sd": np.abs(highest - threshold) <= sd,  # never where one is unknown
+            "is_within_sd": np.abs(highest - threshold) <= sd,  # False for NaN
             "n_known": n_frames(is_before),
             "n_seen": n_frames(is_before & sees),
             "seen_row": seen_row,
@@ -140,7 +141,7 @@ def weigh_unseen(dataset: Dataset, params: Params) -> np.ndarray | None:
 
     Returns
     -------
-    float64, shape (n_truth,), 0..1; None: 1 for all of them.
+    float64, shape (n_truth,), 0..1. None: 1 for all of them.
     """
     detectability = dataset.detectability.value
     if params.driver_weighting == "off" or np.isnan(detectability).all():
@@ -167,9 +168,9 @@ class DriverView:
     Attributes
     ----------
     table
-        Of `judge_driver`.
+        Table from `judge_driver`.
     is_near, by_x, by_y
-        Encounters that count, and those that X and Y detect.
+        Encounters that count, and those detected by X and Y.
     """
 
     table: pd.DataFrame
@@ -202,7 +203,8 @@ class DriverView:
     def region(self) -> np.ndarray:
         """Region of each encounter in the Venn diagram, values of `DriverRegion`, object.
 
-        Encounters that are not near are `distant`, others without known detectability `unknown`.
+        Encounters that are not near are `distant`. Near ones with unknown detectability are
+        `unknown`.
         """
         code = 4 * ~self.is_seen + 2 * ~self.by_x + ~self.by_y
         code = np.select([~self.is_near, ~self.is_known], [9, 8], default=code)
@@ -211,7 +213,7 @@ class DriverView:
 
     @cached_property
     def counts(self) -> dict[DriverRegion, int]:
-        """Number of encounters in each region, unknown and distant ones too."""
+        """Number of encounters in each region, including unknown and distant ones."""
         counts = Counter(self.region.tolist())
         return {kind: counts[kind.value] for kind in DriverRegion}
 
@@ -227,7 +229,7 @@ class DriverView:
 
     @property
     def n_unseen(self) -> int:
-        """Number of near encounters that the driver is known not to see: to warn of."""
+        """Number of near encounters that the driver is known not to see and needs a warning of."""
         return self.n_known - self.n_seen
 
     @property
@@ -258,14 +260,14 @@ class DriverView:
     def is_seldom_seen(self) -> np.ndarray:
         """Mask of near encounters that the driver sees in less than `SELDOM` of their known frames.
 
-        Of the frames up to the first relevant one.
+        Only frames up to the first relevant one count.
         """
         is_seldom = self.table["n_seen"] < SELDOM * self.table["n_known"]
         return self._known(is_seldom & (self.table["seen_row"] >= 0))
 
 
 def split_unseen(driver: DriverView) -> Venn:
-    """Return the Venn diagram of X and Y for the encounters that the driver does not see.
+    """Return the Venn diagram of X and Y over the encounters that the driver does not see.
 
     All others count as distant.
     """

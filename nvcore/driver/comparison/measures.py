@@ -32,7 +32,7 @@ from nvcore.time_left.settings import TIME_LEFT
 KNOWN: Final = Condition(
     lambda result: result.dataset.each_alone or driver_in(result).has_any, "without detectability"
 )
-"""Condition: detectability is known of at least one near encounter."""
+"""Condition: at least one near encounter has known detectability."""
 
 
 def _is_detected(system: SystemResult) -> np.ndarray:
@@ -164,4 +164,4 @@ COUNTS: Final = {
     "n_unseen": lambda result: driver_in(result).is_unseen,
     "n_seen": lambda result: driver_in(result).is_seen,
 }
-"""Encounters that labels and shares of measures are of; bool, shape (n_encounters,)."""
+"""Populations of encounters that labels and shares refer to, bool, shape (n_encounters,)."""

@@ -21,9 +21,10 @@ from nvcore.time_left.steps import time_left_in
 from nvcore.wording import listed, one_line, shortened
 
 MOST_OUTSIDE: Final = 0.5
-"""Nothing is claimed if at least this share of encounters is decided outside the training range.
+"""No claims are made if at least this share of encounters is decided outside the training range.
 
-(Our choice.)"""
+(Our choice.)
+"""
 SMALL_SHARE: Final = 0.05
 """Doubts about at most this share of the estimates are not mentioned. (Our choice.)"""
 _MOST_NAMED: Final = 3
@@ -43,13 +44,15 @@ def view_notes(result: Result) -> tuple[Note, ...]:
 
 
 def _seen(result: Result) -> Iterator[Note]:
-    """Yield notes on whom the driver sees, and when."""
+    """Yield notes on which encounters the driver sees, and when."""
     driver = driver_in(result)
     yield seen_unaided(result)
     if n_seldom := _n(driver.is_seldom_seen):
         yield Note("driver.seldom", n=n_seldom, n_seen=driver.n_seen, share=SELDOM)
     n_open = _n(driver.is_within_sd)
-    is_said = are_all_open(result) and not doubt_of_estimator(result)  # by `no_claim`
+    is_said = are_all_open(result) and not doubt_of_estimator(
+        result
+    )  # `no_claim` covers these cases
     if n_open and not is_said:
         yield Note(
             "driver.open",
@@ -69,7 +72,7 @@ def _seen(result: Result) -> Iterator[Note]:
 def _estimated(result: Result) -> Iterator[Note]:
     """Yield notes on estimates outside the training range or for adapted eyes.
 
-    They are worth a note if they are many or decide encounters.
+    They are worth a note only if they are many or decide encounters.
     """
     record, values = result.dataset.of("driver"), result.dataset.detectability
     is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
@@ -365,13 +368,13 @@ def _first_seen(
     Parameters
     ----------
     later_s
-        Time of the pedestrian's frames since the change, s.
+        Times of the pedestrian's frames since the change, s.
     is_there
         Whether the pedestrian was there before the change. If not, frames count from the first one.
     is_until_change
         Whether these frames end at the next real change of light, not with the pedestrian.
     """
-    is_known, sees = np.isfinite(share), share >= threshold  # NaN compares as False
+    is_known, sees = np.isfinite(share), share >= threshold  # comparisons with NaN are False
     if not is_known.any():
         return None
     if not sees.any():

@@ -12,7 +12,7 @@ DRIVER: Final = Stage(
 )
 
 RESULTS: Final = (DRIVER,)
-"""The stages whose results are shown."""
+"""Stages whose results depend on these settings."""
 
 
 def _has_detectability(dataset: Any) -> bool:
@@ -21,7 +21,7 @@ def _has_detectability(dataset: Any) -> bool:
 
 @dataclass(frozen=True)
 class DriverSettings:
-    """Fields of `nvcore.params.Params` about what the driver sees unaided."""
+    """Fields of `nvcore.params.Params` on what the driver sees unaided."""
 
     driver_threshold: float = share(
         DRIVER,

@@ -1,4 +1,4 @@
-"""Estimators of detectability that are ready to use: support vectors, evaluated by numpy."""
+"""Estimators of detectability that are ready to use: support vectors, evaluated with numpy."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ KERNELS: Final[tuple[Kernel, ...]] = ("linear", "rbf")
 N_FEATURES: Final = len(FEATURE_KEYS)
 _ROWS_AT_ONCE: Final = 1 << 14
 _DIGITS: Final = 9
-"""Of how far it is from one period to the next: times of frames are rounded."""
+"""Decimal places of interpolation weights, because times of frames are rounded."""
 
 
 @dataclass(frozen=True)
@@ -28,13 +28,13 @@ class SvrSettings:
     Attributes
     ----------
     kernel
-        ``"linear"`` or ``"rbf"``, exp(-gamma |a - b|^2), of standardised features.
+        ``"linear"`` or ``"rbf"``, exp(-gamma |a - b|^2), over standardised features.
     cost
-        C: what a residual beyond `epsilon` costs.
+        C: cost per residual beyond `epsilon`.
     epsilon
-        Residuals that cost nothing, in units of detectability.
+        Tolerated residual, in units of detectability.
     gamma
-        Of the kernel ``rbf``, for one feature; of n features it is gamma / n.
+        Parameter of the kernel ``rbf`` for one feature. With n features, gamma / n is used.
     """
 
     kernel: Kernel
@@ -45,18 +45,19 @@ class SvrSettings:
 
 @dataclass(frozen=True)
 class Quality:
-    """How well a regression does on pedestrians that it has not seen.
+    """Error of a regression on pedestrians that it was not trained on.
 
     Attributes
     ----------
     n_rows
-        Rows that it was trained on.
+        Number of training rows.
     error
-        Mean squared error out of fold, features and settings chosen within each fold; 0 is best.
+        Mean squared error out of fold, with features and settings chosen within each fold. 0 is
+        best.
     constant
-        Mean of the targets that it was trained on.
+        Mean of the training targets.
     constant_error
-        Mean squared error of that constant, out of fold: what a regression has to beat.
+        Out-of-fold mean squared error of that constant, which a regression has to beat.
     """
 
     n_rows: int
@@ -66,30 +67,30 @@ class Quality:
 
     @property
     def sd(self) -> float:
-        """Root mean square of the residuals out of fold: the uncertainty of an estimate."""
+        """Root mean square of the out-of-fold residuals: the uncertainty of an estimate."""
         return float(np.sqrt(self.error))
 
 
 @dataclass(frozen=True)
 class Regression:
-    """A support vector regression on standardised features.
+    """Support vector regression over standardised features.
 
     Attributes
     ----------
     columns
-        Which of the eight features it takes, ascending, int64, shape (f,).
+        Indices of the features that it uses, ascending, int64, shape (f,).
     centre, scale
-        Mean and standard deviation of each in the training, float64, shape (f,).
+        Mean and standard deviation of each feature in the training, float64, shape (f,).
     low, high
-        Range of each in the training, float64, shape (f,).
+        Range of each feature in the training, float64, shape (f,).
     vectors
         Support vectors, standardised, float64, shape (m, f).
     weights
-        Of the vectors, float64, shape (m,).
+        Weights of the vectors, float64, shape (m,).
     offset
-        The value without any vector.
+        Constant term.
     settings
-        What it was trained with.
+        Settings of the training.
     """
 
     columns: NDArray[np.int64]
@@ -104,28 +105,30 @@ class Regression:
 
     @property
     def features(self) -> tuple[str, ...]:
-        """Keys of the features that it takes."""
+        """Keys of the features that it uses."""
         return tuple(FEATURE_KEYS[column] for column in self.columns)
 
     def predict(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Detectability, 0..1, float64, shape (n,); NaN where a feature that it takes is.
+        """Return detectability, 0..1, float64, shape (n,). It is NaN if a required feature is.
 
         Parameters
         ----------
         features
-            All eight, float64, shape (n, 8).
+            All eight features, float64, shape (n, 8).
         """
         values = (features[:, self.columns] - self.centre) / self.scale
         estimate = np.empty(len(values))
-        for start in range(0, len(values), _ROWS_AT_ONCE):  # all kernels at once would not fit
+        for start in range(
+            0, len(values), _ROWS_AT_ONCE
+        ):  # in blocks, as all kernel values at once would not fit into memory
             rows = values[start : start + _ROWS_AT_ONCE]
             estimate[start : start + len(rows)] = self._kernel(rows) @ self.weights
         return np.clip(estimate + self.offset, 0.0, 1.0)
 
     def outside(self, features: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which features that it takes are outside the range of the training, shape (n, 8).
+        """Return which required features are outside the training range, shape (n, 8).
 
-        None is where it lacks one that it takes.
+        All are False for a pedestrian that lacks a required feature.
         """
         values = features[:, self.columns]
         is_whole = ~np.isnan(values.sum(axis=1, keepdims=True))
@@ -145,20 +148,20 @@ class Regression:
 
 @dataclass(frozen=True)
 class Estimates:
-    """What an estimator says of pedestrians.
+    """Estimates of an estimator for pedestrians.
 
     Attributes
     ----------
     detectability
-        Share of drivers who would see each, 0..1, float64, shape (n,); NaN where a feature that is
-        needed is undefined.
+        Share of drivers who would see each pedestrian, 0..1, float64, shape (n,). NaN if a required
+        feature is undefined.
     sd
-        Its uncertainty: root mean square of the residuals on unseen pedestrians, float64; NaN
-        likewise.
+        Uncertainty of each estimate: root mean square of the residuals on unseen pedestrians,
+        float64. NaN like `detectability`.
     outside
-        Which features are outside the range of the training, bool, shape (n, 8).
+        Features that are outside the training range, bool, shape (n, 8).
     period_s
-        The adaptation period whose estimator was taken, float64, shape (n,); NaN: between two.
+        Adaptation period of the estimator used, float64, shape (n,). NaN: interpolated between two.
     """
 
     detectability: NDArray[np.float64]
@@ -168,31 +171,31 @@ class Estimates:
 
     @property
     def is_outside(self) -> NDArray[np.bool_]:
-        """Whether any feature is, bool, shape (n,)."""
+        """Mask of estimates with any feature outside the training range, bool, shape (n,)."""
         is_outside: NDArray[np.bool_] = np.asarray(self.outside.any(axis=1))
         return is_outside
 
 
 @dataclass(frozen=True)
 class Origin:
-    """What an estimator was trained on.
+    """Training data of an estimator.
 
     Attributes
     ----------
     n_pedestrians, n_subjects, n_trials
-        How much.
+        Size of the training data.
     simulated
-        ``"no"``, ``"all"`` or ``"some"``: of the trials no person took.
+        ``"no"``, ``"all"`` or ``"some"``: share of trials with simulated subjects.
     square_px, centre_share, display_s
-        How responses were judged (`nvcore.driver.trials.Judging`).
+        Judging of responses (`nvcore.driver.trials.Judging`).
     seed
-        Of all that was drawn at random.
+        Random seed.
     fingerprint
         sha256 of the training table.
     search
-        ``"quick"``: fewer settings were tried than by default; empty: not fewer, or not known.
+        ``"quick"``: fewer settings than by default were tried. Empty: default search, or unknown.
     picture_px
-        Width and height of its pictures; None: they differ, or are not known.
+        Width and height of the pictures. None: they differ, or are unknown.
     """
 
     n_pedestrians: int
@@ -208,7 +211,7 @@ class Origin:
     picture_px: tuple[int, int] | None = None
 
     def as_json(self) -> dict[str, Any]:
-        """For a file; without what earlier ones did not have where it is empty or not known."""
+        """Return JSON values, without empty fields that earlier versions did not have."""
         later = ("search", "picture_px")
         return {name: value for name, value in asdict(self).items() if name not in later or value}
 
@@ -220,17 +223,17 @@ class Estimator:
     Attributes
     ----------
     name
-        Of the model.
+        Name of the model.
     periods_s
         Adaptation periods, ascending, float64, shape (p,).
     regressions
-        One for each period, then the single one for all; p + 1.
+        One for each period, then the one for all periods: p + 1.
     qualities
-        Of each, likewise.
+        Quality of each regression, in the same order.
     origin
         What they were trained on.
     feature_settings
-        With which the features were computed; None: not known.
+        Settings of the feature computation. None: unknown.
     """
 
     name: str
@@ -258,7 +261,7 @@ class Estimator:
         Parameters
         ----------
         simulated
-            As of its origin; empty: nothing is said of it.
+            Text on simulated subjects in the origin. Empty: leave it out.
         """
         return EstimateRecord(
             simulated=simulated,
@@ -269,7 +272,7 @@ class Estimator:
 
     @property
     def features(self) -> tuple[str, ...]:
-        """Keys of the features that any of the switched regressions takes, in their order."""
+        """Keys of the features that any of the periods' regressions uses, in their usual order."""
         used = {key for regression in self.regressions[:-1] for key in regression.features}
         return tuple(key for key in FEATURE_KEYS if key in used)
 
@@ -280,26 +283,25 @@ class Estimator:
         *,
         interpolate: bool = False,
     ) -> Estimates:
-        """Detectability of pedestrians, by the estimator of the nearest adaptation period.
+        """Estimate detectability with the estimator of the nearest adaptation period.
 
-        Of two periods equally near the shorter is taken. Beyond the longest period that one is
-        taken, as where the period is NaN: no change of light is known, the eye is adapted.
+        The shorter period wins ties. The longest period also serves longer times and NaN, which
+        means that no change of light is known and the eyes are adapted.
 
         Parameters
         ----------
         features
-            The eight in their order, float64, shape (n, 8), or (8,) of one pedestrian; NaN:
+            The eight features in order, float64, shape (n, 8), or (8,) for one pedestrian. NaN is
             undefined.
         period_s
-            Seconds since the last change from bright to dark, shape (n,), or one for all.
+            Seconds since the last change from bright to dark, shape (n,), or one value for all.
         interpolate
-            Whether the estimates (and uncertainties) of the periods before and after are
-            interpolated linearly.
+            Interpolate the estimates and uncertainties of the periods before and after linearly.
 
         Raises
         ------
         ParameterError
-            If features or periods are of another shape, or a feature is infinite.
+            If features or periods have another shape, or a feature is infinite.
         """
         features = rows_of(np.atleast_2d(features), N_FEATURES, "features")
         period = np.asarray(period_s, np.float64)
@@ -322,7 +324,7 @@ class Estimator:
         )
 
     def regression_rows(self, period_s: float, *, interpolate: bool) -> list[int]:
-        """Rows of the regressions that `estimate` takes at a period, ascending: one, or two."""
+        """Return the one or two rows of the regressions for a period, ascending."""
         below, above, _ = self._regression_rows(
             np.array([period_s], np.float64), interpolate=interpolate
         )
@@ -331,9 +333,9 @@ class Estimator:
     def _regression_rows(
         self, period: NDArray[np.float64], *, interpolate: bool
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-        """Rows of the regressions before and after, and how far it is from the one to the other.
+        """Return the regressions before and after each period, and the interpolation weight.
 
-        Unless it is interpolated both are the nearest; at a period that has one, both are that.
+        Without interpolation, and at a period that has its own regression, both are the same.
         """
         period = np.where(np.isnan(period), np.inf, period)
         periods = self.periods_s
@@ -350,7 +352,7 @@ class Estimator:
     def _of_periods(
         self, features: NDArray[np.float64], index: NDArray[np.int64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-        """Detectability, uncertainty and what is outside, by the regression of each row."""
+        """Return detectability, uncertainty and `outside` mask from the regression of each row."""
         detectability, sd = np.full((2, len(features)), np.nan)
         outside = np.zeros(features.shape, dtype=np.bool_)
         for number in np.unique(index).tolist():  # a handful

@@ -1,4 +1,4 @@
-"""Model files of estimators: arrays and JSON, checked before anything is computed."""
+"""Model files of estimators: arrays and JSON, validated when read."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ from nvcore.output.model_files import Array, BadModelError, ModelFormat, check_n
 from nvcore.records import decode
 
 SAMPLE_ESTIMATOR: Final = Path(__file__).parents[1] / "models" / "sample.npz"
-"""Of the sample's simulated observer; written by scripts/train_sample_driver.py."""
+"""Estimator of the sample's simulated observer. Written by scripts/train_sample_driver.py."""
 SAMPLE_NAME: Final = "sample"
-"""Its name where a file is asked for."""
+"""Name of the sample estimator where a file is expected."""
 MAX_BYTES: Final = 1 << 24
 _SCALE: Final = Array("<f8", ("regressions", N_FEATURES), 1e-12, LARGEST)
 _ROUNDING: Final = 1e-9
@@ -40,7 +40,7 @@ _OF_REGRESSIONS: Final = ("centre", "scale", "low", "high")
 _OF_SETTINGS: Final = ("cost", "epsilon", "gamma")
 _OF_QUALITIES: Final = ("n_rows", "error", "constant", "constant_error")
 _GREATEST: Final = 2**32
-"""Of the numbers about the training."""
+"""Maximum of the counts about the training."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +65,7 @@ FORMAT: Final = ModelFormat(
     what="an estimator that nvcore driver train wrote",
     error=EstimatorError,
     about=_About,
-    # ranges: what training can write, or more; within them nothing that is computed is infinite
+    # ranges: at least what training can write; within them no computed value is infinite
     arrays={
         "periods_s": Array("<f8", ("periods",), 0, 3660),  # of trials and the display of a picture
         "is_used": Array("|u1", _PER_FEATURE, 0, 1),
@@ -90,7 +90,7 @@ FORMAT: Final = ModelFormat(
     may_be_empty=frozenset({"vectors"}),
     max_bytes=MAX_BYTES,
 )
-"""The single regression is the last. Columns of features that one does not take are 0."""
+"""The regression for all periods is the last one. Unused features have 0 in their columns."""
 
 
 def write_estimator(estimator: Estimator, path: Path) -> None:
@@ -99,7 +99,7 @@ def write_estimator(estimator: Estimator, path: Path) -> None:
     Raises
     ------
     InputError
-        If it cannot be written.
+        If the file cannot be written.
     """
     write_whole(path, to_bytes(estimator))
 
@@ -110,10 +110,10 @@ def estimator_path(model: str | PathLike[str]) -> Path:
 
 
 def is_estimator_file(path: str | PathLike[str]) -> bool:
-    """Return True if a file calls itself an estimator, even one that cannot be used."""
+    """Return True if a file claims to be an estimator, even one that cannot be used."""
     try:
         return format_of(FORMAT.read(Path(path))) == FORMAT.name
-    except (EstimatorError, ValueError):  # none, a folder; a NUL in the name
+    except (EstimatorError, ValueError):  # missing file, folder, or NUL in the name
         return False
 
 
@@ -123,7 +123,7 @@ def read_estimator(path: Path) -> Estimator:
     Raises
     ------
     EstimatorError
-        If the file cannot be read, or is no such model.
+        If the file cannot be read, or is not such a model.
     """
     try:
         content = FORMAT.read(path)
@@ -139,7 +139,7 @@ def read_estimator(path: Path) -> Estimator:
 
 
 def to_bytes(estimator: Estimator) -> bytes:
-    """Return the estimator as the content of a file. Equal ones give equal bytes."""
+    """Serialize the estimator. Equal estimators give equal bytes."""
     return FORMAT.to_bytes(*_parts(estimator))
 
 
@@ -149,7 +149,7 @@ def fingerprint(estimator: Estimator) -> str:
 
 
 def from_bytes(content: bytes, name: str) -> Estimator:
-    """Return the estimator that `to_bytes` wrote.
+    """Parse and validate the content of an estimator file, as written by `to_bytes`.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def from_bytes(content: bytes, name: str) -> Estimator:
     Raises
     ------
     EstimatorError
-        If it is damaged, or anything in it is not as it must be.
+        If the content is damaged or invalid.
     """
     try:
         return FORMAT.parse(content, name, _estimator)
@@ -224,7 +224,7 @@ def _estimator(about: _About, arrays: dict[str, NDArray[Any]]) -> Estimator:
 
 
 def _check_values(arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Refuse numbers with which nothing can be estimated."""
+    """Reject numbers with which nothing can be estimated."""
     periods, is_used, ends = arrays["periods_s"], arrays["is_used"], arrays["vector_ends"]
     if len(is_used) != len(periods) + 1:
         raise BadModelError("expected a regression for each period, and one for all")

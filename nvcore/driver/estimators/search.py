@@ -1,4 +1,4 @@
-"""Choosing features and settings of a regression by cross-validation."""
+"""Selection of features and settings of a regression by cross-validation."""
 
 from __future__ import annotations
 
@@ -17,29 +17,31 @@ from nvcore.extras import needs
 COST: Final = (0.03, 3.0)
 EPSILON: Final = (0.01, 0.2)
 GAMMA: Final = (0.05, 2.0)
-"""Ranges from which settings are drawn, evenly on a logarithmic scale; ours. With features of
-spread 1 and targets of 0 to 1 a higher cost changes the fit little, and takes much longer."""
+"""Ranges from which settings are drawn, uniformly on a logarithmic scale. (Our choice.) With
+features of unit spread and targets of 0 to 1, a higher cost changes the fit little and takes much
+longer.
+"""
 Columns = tuple[int, ...]
 Check = Callable[[], None]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Search:
-    """How features and settings are chosen.
+    """Settings of the search for features and regression settings.
 
     Attributes
     ----------
     n_settings
-        Settings that are drawn at random, and each tried with each choice of features.
+        Number of random settings, each tried with each choice of features.
     n_folds
-        Folds of the inner cross-validation, by pedestrian.
+        Number of folds of the inner cross-validation, split by pedestrian.
     seed
-        Of all that is drawn.
+        Random seed.
 
     Raises
     ------
     ParameterError
-        If one is outside its range.
+        If a value is outside its range.
     """
 
     n_settings: int = 30
@@ -63,11 +65,11 @@ class Search:
 
 
 QUICK: Final = Search(n_settings=4, n_folds=3)
-"""For a first look, and for tests: a tenth of the time."""
+"""Search for a first look and for tests. It takes a tenth of the time."""
 
 
 def draw_settings(search: Search) -> tuple[SvrSettings, ...]:
-    """The settings that are tried; both kernels in turn."""
+    """Draw the settings to try, alternating between both kernels."""
     rng = np.random.default_rng(search.seed)
     low, high = np.log([COST, EPSILON, GAMMA]).T
     drawn = np.exp(rng.uniform(low, high, (search.n_settings, 3)))
@@ -77,12 +79,12 @@ def draw_settings(search: Search) -> tuple[SvrSettings, ...]:
 
 
 def feature_sets(known: NDArray[Any]) -> tuple[Columns, ...]:
-    """The choices of features that are tried: each alone, each pair, and all.
+    """Return the choices of features to try: each alone, each pair, and all.
 
     Parameters
     ----------
     known
-        Which of the features there are, shape (8,).
+        Mask of the available features, shape (8,).
     """
     columns = np.flatnonzero(known).tolist()
     sets: list[Columns] = [(column,) for column in columns]
@@ -100,12 +102,12 @@ def fit(
     columns: Columns,
     settings: SvrSettings,
 ) -> Regression:
-    """A support vector regression.
+    """Fit a support vector regression.
 
     Parameters
     ----------
     features
-        All eight, float64, shape (n, 8); those of `columns` are finite.
+        All eight features, float64, shape (n, 8). Those of `columns` must be finite.
     target
         Detectability, float64, shape (n,).
 
@@ -121,7 +123,9 @@ def fit(
     chosen = features[:, columns]
     centre = chosen.mean(axis=0)
     scale = chosen.std(axis=0)
-    scale[scale <= 1e-12 * np.maximum(np.abs(centre), 1.0)] = 1.0  # all alike: it says nothing
+    scale[scale <= 1e-12 * np.maximum(np.abs(centre), 1.0)] = (
+        1.0  # a constant feature has no information
+    )
     machine = SVR(
         kernel=settings.kernel,
         C=settings.cost,
@@ -144,12 +148,12 @@ def fit(
 
 
 def folds_of(groups: NDArray[np.int64], n_folds: int, seed: int) -> NDArray[np.int64]:
-    """The fold of each row, 0 to n_folds - 1, int64, shape (n,); a group is in one fold.
+    """Return the fold of each row, 0 to n_folds - 1, int64, shape (n,). Groups are never split.
 
     Parameters
     ----------
     groups
-        Number of the pedestrian of each row, shape (n,).
+        Pedestrian number of each row, shape (n,).
     """
     numbers, rows = np.unique(groups, return_inverse=True)
     order = np.random.default_rng(seed).permutation(len(numbers))
@@ -157,7 +161,7 @@ def folds_of(groups: NDArray[np.int64], n_folds: int, seed: int) -> NDArray[np.i
 
 
 class Choice(NamedTuple):
-    """A choice of features, its best settings, and their mean squared error out of fold."""
+    """Choice of features with its best settings and their out-of-fold mean squared error."""
 
     columns: Columns
     settings: SvrSettings
@@ -172,16 +176,16 @@ def choose(
     *,
     check: Check,
 ) -> list[Choice]:
-    """The best settings for each choice of features, by cross-validation.
+    """Find the best settings for each choice of features by cross-validation.
 
     Parameters
     ----------
     features
-        Float64, shape (n, 8); a column is finite or NaN as a whole.
+        Float64, shape (n, 8). Each column is either all finite or all NaN.
     target, groups
-        Detectability and number of the pedestrian of each row, shape (n,).
+        Detectability and pedestrian number of each row, shape (n,).
     check
-        Called now and then; it may raise.
+        Called regularly. It may raise to cancel.
     """
     sets = feature_sets(np.isfinite(features.sum(axis=0)))
     drawn = draw_settings(search)

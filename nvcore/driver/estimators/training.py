@@ -29,11 +29,11 @@ from nvcore.progress import Progress, no_progress, part_of, run_steps, with_time
 from nvcore.wording import count_text, percent
 
 OUTER_FOLDS: Final = 5
-"""Folds of the outer cross-validation, by which the uncertainty of an estimate is told."""
+"""Folds of the outer cross-validation, which gives the uncertainty of an estimate."""
 LEAST_TRAINED: Final = 2
-"""Minimum number at each period without a fold: one for training, one for selection."""
+"""Minimum number of pedestrians at each period outside a fold: one to train, one to select."""
 MOST_LACKING: Final = 0.1
-"""Largest share of pedestrians for which a feature may be undefined."""
+"""Maximum share of pedestrians for which a feature may be undefined."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Samples:
     Attributes
     ----------
     features
-        All eight, float64, shape (n, 8). Unused columns are NaN throughout.
+        All eight features, float64, shape (n, 8). Unused columns are NaN throughout.
     target
         Detectability, float64, shape (n,).
     period
@@ -55,7 +55,7 @@ class Samples:
     periods_s
         Adaptation periods, ascending, float64, shape (p,).
     notes
-        Notes on what was left out.
+        Notes on skipped rows and features.
     trials_file
         File of the table, for error messages.
     """
@@ -77,7 +77,7 @@ def samples_of(table: TrainingTable) -> Samples:
     """Return the rows of a training table that can be used for training.
 
     A feature that is undefined for more than a tenth of the pedestrians is not used (grey pictures
-    have no colour). Pedestrians that lack one of the other features are left out.
+    have no colour). Pedestrians that lack one of the used features are skipped.
 
     Raises
     ------
@@ -147,13 +147,13 @@ class OutOfFold:
     switched, single
         Estimates by the period's regression and by the single one, float64, shape (n,).
     constant, constant_of_all
-        Mean targets of the training in the row's period, and in all; float64, shape (n,).
+        Mean training targets in the row's period, and over all periods, float64, shape (n,).
     pairs
         Estimates by the regression of the row's period on each of the 28 pairs of features
-        (`nvcore.driver.estimators.search.PAIRS`), settings chosen within the fold, float64, shape
-        (n, 28). NaN: a feature is not used.
+        (`nvcore.driver.estimators.search.PAIRS`), with settings chosen within the fold, float64,
+        shape (n, 28). NaN: a feature is not used.
     columns
-        Features chosen in each fold, by row of the period, then for the single regression.
+        Features chosen in each fold, by period, then for the regression over all periods.
     """
 
     switched: NDArray[np.float64]
@@ -165,7 +165,7 @@ class OutOfFold:
 
 
 class _Outcome(NamedTuple):
-    """A regression, and its estimates of the rows that were left out."""
+    """Regression with its estimates for the rows left out."""
 
     test: NDArray[np.bool_]
     regression: Regression
@@ -210,7 +210,7 @@ def out_of_fold(
     Raises
     ------
     InputError
-        If a period has fewer than two pedestrians beside those of a fold.
+        If a period has fewer than two pedestrians outside a fold.
     CancelledError
         If `progress` raises it.
     """
@@ -317,14 +317,14 @@ class Training:
     estimator
         The model.
     table
-        What it was trained on.
+        Training data.
     switched_errors, single_errors, constant_errors
-        Mean squared error at each period, on pedestrians left out: of the period's estimator, of
-        the single one, and of the mean of the training's targets; float64, shape (p,), 0 is best.
+        Mean squared error at each period on pedestrians left out, for the period's estimator, for
+        the single one, and for the mean of the training targets, float64, shape (p,). 0 is best.
     notes
-        What was not learned.
+        Notes on data that were not learned.
     seconds
-        How long it took.
+        Duration of the training.
     """
 
     estimator: Estimator
@@ -346,27 +346,27 @@ def train_estimator(
 ) -> Training:
     """Train an estimator of detectability.
 
-    Support vector regression on standardised features. The choice of features (each alone, each
-    pair, all), kernel, C, epsilon and gamma are those with the least error in a five-fold
-    cross-validation by pedestrian. All of that is done again without each of five folds of the
-    pedestrians, which gives the uncertainty: no pedestrian is judged by anything trained on
-    them. The same table, settings and seed give the same model.
+    A support vector regression on standardised features is fitted. Features (each alone, each pair,
+    all), kernel, C, epsilon and gamma are those with the lowest error in a five-fold
+    cross-validation by pedestrian. The whole procedure is repeated without each of five folds of
+    the pedestrians, which gives the uncertainty: no pedestrian is judged by a model that was
+    trained on them. The same table, settings and seed give the same model.
 
     Parameters
     ----------
     table
-        Of `nvcore.driver.trials.training_table`.
+        Table from `nvcore.driver.trials.training_table`.
     search
-        How features and settings are chosen; None: as by default.
+        Search for features and settings. None: the default.
     n_threads
-        Regressions at a time; None: as many as there are cores.
+        Number of regressions trained in parallel. None: the number of cores.
     progress
         Called with the share done, and the time left in words. It may raise `CancelledError`.
 
     Raises
     ------
     InputError
-        If there is too little to learn, at all or at a period without one of the folds.
+        If there are too few data, overall or at a period outside a fold.
     MissingExtraError
         If the extra ``driver`` is not installed.
     CancelledError
@@ -410,7 +410,7 @@ def errors_by_period(samples: Samples, estimate: NDArray[np.float64]) -> NDArray
     Parameters
     ----------
     estimate
-        Of each row, float64, shape (n,).
+        Estimate for each row, float64, shape (n,).
     """
     squares = (estimate - samples.target) ** 2
     n_periods = len(samples.periods_s)

@@ -1,4 +1,4 @@
-"""How well estimators do on pedestrians that they have not seen."""
+"""Evaluation of estimators on pedestrians that they were not trained on."""
 
 from nvcore.driver.evaluation.published import PUBLISHED_NOTE
 from nvcore.driver.evaluation.tables import Evaluation, evaluate_estimators, evaluation_tables

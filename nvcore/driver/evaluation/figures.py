@@ -22,11 +22,11 @@ PERIOD: Final = "adaptation period (s)"
 HEIGHT_PX: Final = 340
 ROW_PX: Final = 22
 CELL_PX: Final = 32
-"""Height of a pair of features, and of a cell of the rank correlations."""
+"""Height of a row for a pair of features or of a cell of the rank correlations."""
 AROUND_PX: Final = 130
-"""Height of a figure of cells without them."""
+"""Height of a figure of cells without its rows."""
 TITLES_PX: Final = 26
-"""Height of the periods above the histograms."""
+"""Height of the period titles above the histograms."""
 GAP: Final = 0.02
 """Gap between two histograms, as a share of the width."""
 _LINES: Final = (
@@ -49,7 +49,7 @@ def estimator_errors_plot(
     errors
         Table from `nvcore.driver.evaluation.tables.errors_table`.
     has_published
-        True to draw the paper's errors as well, which are of other data.
+        True to draw the paper's errors as well, which are based on other data.
     """
     look, rows = LOOK[theme], errors[errors["period_s"].notna()]
     if rows.empty:
@@ -116,7 +116,7 @@ def estimates_plot(estimates: pd.DataFrame, *, theme: Theme) -> go.Figure:
 def feature_pairs_plot(pairs: pd.DataFrame, *, theme: Theme) -> go.Figure:
     """Plot the error of every pair of features at every period, the best on average on top.
 
-    Cells say the rank, 1 is best.
+    Cells show the rank. 1 is best.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def feature_pairs_plot(pairs: pd.DataFrame, *, theme: Theme) -> go.Figure:
 
 
 def pair_ranks_plot(ranks: pd.DataFrame, *, theme: Theme) -> go.Figure:
-    """Plot rank correlations of the pairs' errors between every two periods, 1: the same ranking.
+    """Plot rank correlations of the pairs' errors between every two periods. 1 is the same ranking.
 
     Parameters
     ----------

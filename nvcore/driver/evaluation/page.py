@@ -50,7 +50,7 @@ _CHARTS: Final[dict[str, tuple[Callable[..., Any], str, str]]] = {
         "Rank correlations of the pairs between periods.",
     ),
 }
-"""Figure, table that it shows, and description, by identifier within the page."""
+"""Figure, its table, and description, by identifier within the page."""
 _COLUMNS: Final[dict[str, Columns]] = {
     "errors": {"Period (s)": (_period("mean"), ""), "Pedestrians": ("n", "d")},
     "periods": {
@@ -76,7 +76,7 @@ _COLUMNS: Final[dict[str, Columns]] = {
         "Odd": "odd",
     },
 }
-"""Columns that the page shows of a table."""
+"""Columns of a table that the page shows."""
 
 
 def write_evaluation_html(evaluation: Evaluation, path: Path) -> None:

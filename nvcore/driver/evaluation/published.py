@@ -1,4 +1,4 @@
-"""The paper's own figures, to stand beside ours.
+"""Results published in the paper, for comparison with ours.
 
 "Can a Driver Assistance System Determine if a Driver is Perceiving a Pedestrian? Consideration of
 the Driver's Visual Adaptation to Illumination Change", table 2 and the tables of pairs of features.
@@ -10,11 +10,11 @@ from typing import Final
 
 PERIODS_S: Final = (0.5, 1.5, 3.0, 4.5, 6.0, 7.5)
 SWITCHED: Final = (0.069, 0.108, 0.134, 0.144, 0.140, 0.141)
-"""Mean squared error with an estimator for each period; mean 0.1227, printed as 0.123."""
+"""Mean squared error with an estimator for each period. Mean 0.1227, printed as 0.123."""
 SINGLE: Final = (0.066, 0.110, 0.144, 0.177, 0.169, 0.185)
-"""With one for all; mean 0.1418, printed as 0.134."""
+"""Mean squared error with one estimator for all periods. Mean 0.1418, printed as 0.134."""
 SINGLE_PRINTED: Final = 0.134
-"""The mean that the paper prints for `SINGLE`; it is not the mean of that row."""
+"""Mean that the paper prints for `SINGLE`. It is not the mean of that row."""
 PAIRS: Final[dict[float, dict[tuple[str, str], float]]] = {
     0.5: {
         ("luminance_sd", "edge_contrast"): 0.047,
@@ -56,4 +56,4 @@ PUBLISHED_NOTE: Final = (
     "error, and so too good. The paper prints 0.134 as the mean of the single estimator's errors; "
     "the mean of that row is 0.1418."
 )
-"""What differs between the published errors and ours."""
+"""Explanation of differences between the published errors and ours."""

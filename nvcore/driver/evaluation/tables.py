@@ -29,27 +29,27 @@ from nvcore.driver.trials.table import TrainingTable
 from nvcore.progress import Progress, no_progress, with_time_left
 
 MOST_BARS: Final = 11
-"""Bars of a histogram."""
+"""Maximum number of bars of a histogram."""
 
 
 @dataclass(frozen=True)
 class Evaluation:
     """Result of an evaluation: each pedestrian estimated by regressions trained on all others.
 
-    `evaluation_tables` makes tables of it.
+    `evaluation_tables` converts it to tables.
 
     Attributes
     ----------
     table
-        What was evaluated on.
+        Data of the evaluation.
     samples
-        Its rows that could be used, as arrays.
+        Usable rows of the table, as arrays.
     estimates
-        Of each of them, by regressions that were chosen and trained without the pedestrian.
+        Estimates for each row by regressions that were selected and trained without the pedestrian.
     search
-        How features and settings were chosen.
+        Search for features and settings.
     seconds
-        How long it took.
+        Duration of the evaluation.
     """
 
     table: TrainingTable
@@ -60,7 +60,7 @@ class Evaluation:
 
     @property
     def rows(self) -> pd.DataFrame:
-        """The rows of the training table that were evaluated."""
+        """Rows of the training table that were evaluated."""
         return self.table.rows.iloc[self.samples.row].reset_index(drop=True)
 
 
@@ -73,8 +73,8 @@ def evaluate_estimators(
 ) -> Evaluation:
     """Estimate each pedestrian by estimators chosen and trained on all others.
 
-    Nested: for each pedestrian, features and settings are chosen anew by five-fold
-    cross-validation over the others (`nvcore.driver.estimators.train_estimator`). With 51
+    The cross-validation is nested: for each pedestrian, features and settings are selected again by
+    five-fold cross-validation over the others (`nvcore.driver.estimators.train_estimator`). With 51
     pedestrians and 6 periods these are two million small regressions.
 
     Parameters and errors are those of `nvcore.driver.estimators.train_estimator`.
@@ -98,14 +98,14 @@ def errors_table(evaluation: Evaluation) -> pd.DataFrame:
 
     Returns
     -------
-    ``period_s`` (NaN: the mean over the periods), ``n`` pedestrians (at the period; last, at any),
-    ``switched`` (the estimator of
-    the period), ``single`` (that for all), ``constant`` (the mean of the training's targets at the
-    period), ``sampling`` (what even the true probabilities would err by, since a few subjects stand
-    for all: the mean of d (1 - d) / (n - 1) with detectability d of n subjects; NaN where there is
-    only one), and the paper's ``published_switched`` and ``published_single`` at its periods, NaN
-    elsewhere; ``published_single_printed`` in the last row is the mean as the paper prints it,
-    which is not the mean of its row (`nvcore.driver.evaluation.PUBLISHED_NOTE`).
+    ``period_s`` (NaN: the mean over the periods), ``n`` pedestrians (at the period, in the last row
+    at any period), ``switched`` (the period's estimator), ``single`` (the estimator for all
+    periods), ``constant`` (the mean of the training targets at the period), ``sampling`` (error of
+    the true probabilities due to few subjects: the mean of d (1 - d) / (n - 1) for detectability d
+    of n subjects, NaN with only one), and the paper's ``published_switched`` and
+    ``published_single`` at its periods, NaN elsewhere. ``published_single_printed`` in the last row
+    is the mean that the paper prints, which is not the mean of its row
+    (`nvcore.driver.evaluation.PUBLISHED_NOTE`).
     """
     samples, estimates = evaluation.samples, evaluation.estimates
     share = evaluation.rows["detectability"]
@@ -142,8 +142,8 @@ def choices_table(evaluation: Evaluation) -> pd.DataFrame:
 
     Returns
     -------
-    ``period_s`` (NaN: the single estimator), ``features`` in words, ``n`` of the pedestrians left
-    out for which they were chosen, ``share``; the most frequent first.
+    ``period_s`` (NaN: the single estimator), ``features`` in words, ``n`` (number of pedestrians
+    left out for which they were chosen) and ``share``, the most frequent first.
     """
     by_regression = zip(*evaluation.estimates.columns, strict=True)
     periods = [*evaluation.samples.periods_s.tolist(), np.nan]
@@ -158,7 +158,7 @@ def choices_table(evaluation: Evaluation) -> pd.DataFrame:
 def pair_errors(evaluation: Evaluation) -> NDArray[np.float64]:
     """Return the mean squared error of each pair of features at each period, float64, (p, 28).
 
-    Settings are chosen without the pedestrian that is left out. NaN: a feature is not used.
+    Settings are chosen without the pedestrian left out. NaN: a feature is not used.
     """
     pairs = evaluation.estimates.pairs
     return np.stack(
@@ -173,7 +173,7 @@ def pairs_table(evaluation: Evaluation) -> pd.DataFrame:
     Returns
     -------
     ``period_s``, ``rank`` (1 is best), ``feature_1``, ``feature_2``, ``error`` (mean squared), and
-    ``published_error`` where the paper prints it: its three best pairs.
+    ``published_error`` for the three best pairs, which the paper prints.
     """
     parts = []
     for period_s, errors in zip(evaluation.samples.periods_s, pair_errors(evaluation), strict=True):
@@ -195,7 +195,7 @@ def pair_ranks_table(evaluation: Evaluation) -> pd.DataFrame:
     Returns
     -------
     ``period_1_s``, ``period_2_s`` and ``spearman``, the rank correlation of the pairs' errors, -1
-    to 1; NaN: fewer than three pairs, or all alike.
+    to 1. NaN with fewer than three pairs, or if all errors are equal.
     """
     errors = pair_errors(evaluation)
     errors = errors[:, ~np.isnan(errors).any(axis=0)]
@@ -214,8 +214,8 @@ def periods_table(evaluation: Evaluation) -> pd.DataFrame:
 
     Returns
     -------
-    ``period_s``, ``n`` pedestrians, ``mean``, ``sd`` (of the pedestrians, n - 1), ``share_zero``
-    and ``share_one``: pedestrians whom nobody, and whom everybody, saw.
+    ``period_s``, ``n`` pedestrians, ``mean``, ``sd`` (over pedestrians, n - 1), ``share_zero`` and
+    ``share_one``: shares of pedestrians seen by nobody and by everybody.
     """
     rows = evaluation.rows
     groups = rows.groupby("period_s")["detectability"]
@@ -234,13 +234,13 @@ def periods_table(evaluation: Evaluation) -> pd.DataFrame:
 def histograms_table(evaluation: Evaluation) -> pd.DataFrame:
     """Count pedestrians by detectability at each period.
 
-    With up to ten subjects a bar for each value that there can be, else eleven: 0, 0.1 to 1. What
-    counts are the most subjects that responded to one pedestrian; where fewer did, the share is
-    counted in the nearest bar.
+    With up to ten subjects there is a bar for each possible value, otherwise eleven bars from 0 to
+    1. The number of subjects is the maximum over pedestrians. If fewer subjects responded to a
+    pedestrian, the nearest bar counts.
 
     Returns
     -------
-    ``period_s``, ``detectability`` (the middle of the bar) and ``n``; bars of 0 as well.
+    ``period_s``, ``detectability`` (the middle of the bar) and ``n``, including empty bars.
     """
     rows = evaluation.rows
     n_bars = min(int(rows["n_subjects"].max()) + 1, MOST_BARS)

@@ -1,8 +1,8 @@
-"""Features that say how visible a pedestrian is in a picture of visible light.
+"""Features of how visible a pedestrian is in a visible-light picture.
 
     features_of(picture, boxes, fixation)      one row a pedestrian, one column a feature
 
-The box is the pedestrian, a ring around it the surround; both end at the edge of the picture.
+The box is the pedestrian, and a ring around it the surround. Both end at the edge of the picture.
 """
 
 from nvcore.driver.features.registry import (

@@ -1,7 +1,7 @@
-"""Compute the features of pedestrians from the pixels of their boxes and of the rings around them.
+"""Compute features of pedestrians from the pixels of their boxes and of the rings around them.
 
-Pictures are taken as sRGB (IEC 61966-2-1), white is D65: what a video or JPEG holds unless it says
-otherwise.
+Pictures are interpreted as sRGB (IEC 61966-2-1) with white point D65, the default of videos and
+JPEG.
 
 References
 ----------
@@ -25,9 +25,9 @@ from nvcore.pictures import Picture
 
 _SHIFT: Final = 8 - (COLOUR_BINS - 1).bit_length()
 GREY_LEVELS: Final = 8
-"""Channels that differ by no more are grey: those of grey JPEG pictures differ by 2."""
+"""Maximum difference of channels in a grey picture. Those of grey JPEG pictures differ by 2."""
 _SPARSE: Final = 16
-"""Every so many rows are looked at first to tell a grey picture from a coloured one."""
+"""Row step of a first check whether a picture is grey or coloured."""
 _TO_XYZ: Final = np.array(
     [
         [0.4124564, 0.3575761, 0.1804375],
@@ -40,7 +40,7 @@ _KNEE: Final = (6 / 29) ** 3
 
 
 def _lines() -> NDArray[np.float64]:
-    """The cube root of CIE L*a*b* and its straight end, as lines between equal steps of 0..1."""
+    """Approximate the CIE L*a*b* curve by lines between equal steps of 0..1."""
     steps = np.arange(_CURVE_STEPS + 2)
     share = steps / _CURVE_STEPS
     straight = share / (3 * (6 / 29) ** 2) + 4 / 29
@@ -50,11 +50,11 @@ def _lines() -> NDArray[np.float64]:
 
 
 _TO_PLACE: Final = _TO_XYZ / _TO_XYZ.sum(axis=1, keepdims=True) * _CURVE_STEPS
-"""Linear RGB to X, Y, Z as places among the steps of `_LINES`, white being the last; (3, 3)."""
+"""Linear RGB to X, Y, Z as positions in `_LINES`, with white at the end, (3, 3)."""
 _LINES: Final = _lines()
-"""Height at 0, and slope, of the curve's line at each step; L*, a*, b* are right to 0.01.
+"""Value at 0 and slope of the curve's line at each step. L*, a*, b* are accurate to 0.01.
 
-More steps would not fit the processor's first cache (32 kB).
+More steps would not fit into the processor's L1 cache (32 kB).
 """
 
 
@@ -64,12 +64,12 @@ class Regions(NamedTuple):
     Attributes
     ----------
     box
-        (n, 4): x, y, w, h of the part of each box that lies in the picture, px; NaN: none does.
+        (n, 4): x, y, w, h of the visible part of each box, px. NaN: outside the picture.
     inner
-        (n, 4) int64: first column, first row, and one past the last of each: the pedestrian. A
-        pixel counts if its middle lies in the box.
+        (n, 4) int64: first column, first row, and one past the last of each, for the pedestrian. A
+        pixel counts if its centre lies in the box.
     outer
-        The same of the rectangle around it; the surround is this one without `inner`.
+        Same for the rectangle around it. The surround is this one without `inner`.
     """
 
     box: NDArray[np.float64]
@@ -88,26 +88,26 @@ def features_of(
     Parameters
     ----------
     picture
-        Grey (h, w) or RGB (h, w, 3), uint8. One whose channels differ nowhere by more than 8 levels
-        is grey.
+        Grey (h, w) or RGB (h, w, 3), uint8. It counts as grey if its channels never differ by more
+        than 8 levels.
     boxes
         (n, 4): x, y, w, h of each pedestrian, px of the picture.
     fixation
-        Where the driver looks, x and y, px of the picture; or one point for each pedestrian (n, 2);
-        None: unknown.
+        Point at which the driver looks, x and y, px of the picture, or one point for each
+        pedestrian (n, 2). None: unknown.
     settings
-        What the paper leaves open; None: our defaults.
+        Values that the paper leaves open. None: our defaults.
 
     Returns
     -------
-    float64, shape (n, n_features), columns as in `FEATURE_KEYS`. NaN: undefined, as colours are in
-    a grey picture, all but the sizes of a box without a pixel, contrasts where the picture ends
-    with the box, and everything of a box outside the picture.
+    float64, shape (n, n_features), columns as in `FEATURE_KEYS`. Undefined values are NaN: colours
+    in a grey picture, everything but the sizes for a box without a pixel, contrasts if the picture
+    ends with the box, and everything for a box outside the picture.
 
     Raises
     ------
     ParameterError
-        If the picture has no pixel, or anything is of another shape or type.
+        If the picture has no pixel, or an argument has another shape or type.
 
     Examples
     --------
@@ -151,16 +151,16 @@ def regions_of(boxes: NDArray[np.float64], width: int, height: int, surround: fl
     Parameters
     ----------
     boxes
-        (n, 4): x, y, w, h, px; they may reach out of the picture.
+        (n, 4): x, y, w, h, px. They may extend beyond the picture.
     width, height
-        Of the picture.
+        Size of the picture, px.
     surround
         Sides of the rectangle around a box, as a multiple of the box's.
 
     Raises
     ------
     ParameterError
-        If the boxes are of another shape.
+        If the boxes have another shape.
     """
     x, y, w, h = rows_of(boxes, 4, "boxes").T
     left, top = np.clip(x, 0, width), np.clip(y, 0, height)
@@ -177,7 +177,7 @@ def regions_of(boxes: NDArray[np.float64], width: int, height: int, surround: fl
 
 def _pixels(sides: list[NDArray[np.float64]], width: int, height: int) -> NDArray[np.int64]:
     """Return each box as a rectangle of the pixels whose centres it contains, int64, (n, 4)."""
-    # a middle on the left or upper edge is inside, one on the right or lower edge is not
+    # a centre on the left or upper edge is inside, one on the right or lower edge outside
     whole = np.ceil(np.nan_to_num(np.clip(np.stack(sides, axis=1), -1.0, 1e9)) - 0.5)
     whole = np.clip(whole, 0, [width, height, width, height]).astype(np.int64)
     whole[:, 2:] = np.maximum(whole[:, 2:], whole[:, :2])
@@ -187,7 +187,7 @@ def _pixels(sides: list[NDArray[np.float64]], width: int, height: int) -> NDArra
 def _light(picture: Picture, regions: Regions) -> list[NDArray[np.float64]]:
     """Return means of the luminance, its square and its Sobel gradient, each (n, 2).
 
-    Of two columns, the first is the pedestrian, the second their surround, NaN without a pixel.
+    The first column is the pedestrian, the second the surround, NaN without a pixel.
     """
     sums = [np.zeros((len(regions.box), 2)) for _ in range(4)]
     padded = cv2.copyMakeBorder(luminance_of(picture), 1, 1, 1, 1, cv2.BORDER_REPLICATE)
@@ -198,7 +198,7 @@ def _light(picture: Picture, regions: Regions) -> list[NDArray[np.float64]]:
 def _colour(picture: Picture, regions: Regions) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return mean CIE L*a*b* (n, 2, 3) and shares of R, G and B by bin (n, 2, 3, bins).
 
-    Columns are as of `_light`. NaN without colour.
+    Columns as in `_light`. NaN without colour.
     """
     n = len(regions.box)
     curved, histogram = np.zeros((n, 2, 3)), np.zeros((n, 2, 3, COLOUR_BINS), np.int64)

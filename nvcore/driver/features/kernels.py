@@ -1,9 +1,9 @@
-"""Loops over the pixels of boxes.
+"""Compiled loops over the pixels of boxes.
 
-As those of `nvcore.metrics.kernels` they release the interpreter lock, so that threads share the
-pictures. Each row of a rectangle is at most three stretches: surround, pedestrian, surround. Loops
-over a stretch begin at 0 and are kept apart where that lets the compiler work on several pixels at
-a time.
+Like those of `nvcore.metrics.kernels`, they release the interpreter lock, so that threads can
+process pictures in parallel. Each row of a rectangle has up to three segments: surround,
+pedestrian, surround. Loops over a segment start at 0 and are kept separate if that lets the
+compiler vectorise them.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ SURROUND = 1
 
 @compiled
 def stretch_of_row(y, part, inner, outer):
-    """First column of a stretch in row y, and one past its last; the second is the pedestrian."""
+    """Return first column, and one past the last, of a segment in a row. Part 1 is the box."""
     if not inner[1] <= y < inner[3]:
         return outer[0], outer[2] if part == 0 else outer[0]
     if part == 0:
@@ -30,18 +30,18 @@ def stretch_of_row(y, part, inner, outer):
 
 @compiled
 def light_sums(padded, inner, outer, count, luminance, squares, edges):
-    """Sums over pedestrian and surround of each box: pixels, luminance, its square, its gradient.
+    """Sum pixels, luminance, its square and its gradient over pedestrian and surround of each box.
 
-    Sums of a row are of 32 bits: enough for pictures up to 66,000 px wide.
+    Sums of a row have 32 bits, which is enough for pictures up to 66,000 px wide.
 
     Parameters
     ----------
     padded
         Luminance, uint8, (h + 2, w + 2), the edge repeated once on each side.
     inner, outer
-        Of `Regions`.
+        Rectangles as in `Regions`.
     count, luminance, squares, edges
-        Out: (n, 2), pedestrian and surround. The gradient is that of the 3 x 3 Sobel operator.
+        Output, (n, 2), pedestrian and surround. The gradient is from the 3 x 3 Sobel operator.
     """
     strength = np.empty(padded.shape[1], np.float32)
     for box in range(len(inner)):
@@ -68,7 +68,7 @@ def light_sums(padded, inner, outer, count, luminance, squares, edges):
                     gy += np.int32(2) * (np.int32(down[i + 1]) - np.int32(up[i + 1]))
                     across, along = np.int32(gx), np.int32(gy)
                     strength[i] = np.sqrt(np.float32(across * across + along * along))
-                # four in turn: one would have to wait for the sum before
+                # four sums in turn, so that no addition waits for the previous one
                 first_sum, second_sum, third_sum, fourth_sum = 0.0, 0.0, 0.0, 0.0
                 whole = n // 4 * 4
                 for i in range(0, whole, 4):
@@ -87,28 +87,28 @@ def light_sums(padded, inner, outer, count, luminance, squares, edges):
 
 @compiled
 def colour_sums(picture, inner, outer, shift, linear, to_place, lines, curved, histogram):
-    """Sums of the curved X, Y and Z, and histograms of R, G and B, of each box.
+    """Sum the curved X, Y and Z, and compute histograms of R, G and B, for each box.
 
     Parameters
     ----------
     picture
         RGB, uint8, (h, w, 3).
     inner, outer
-        Of `Regions`.
+        Rectangles as in `Regions`.
     shift
-        By so many bits a value is shifted to its bin.
+        Number of bits by which a value is shifted to get its bin.
     linear, to_place, lines
         Tables of `nvcore.driver.features.compute`.
     curved
-        Out: (n, 2, 3), pedestrian and surround.
+        Output, (n, 2, 3), pedestrian and surround.
     histogram
-        Added to: (n, 2, 3, bins), int64.
+        Output to which counts are added, (n, 2, 3, bins), int64.
     """
     xr, xg, xb = to_place[0]
     yr, yg, yb = to_place[1]
     zr, zg, zb = to_place[2]
-    # two in turn, and a count for each value: neighbours are much alike, and would wait for each
-    # other's count
+    # two in turn, with a counter each: neighbouring pixels are much alike, and would otherwise wait
+    # for each other's counter
     counts = np.zeros((2, 2, 3, 256), np.int32)
     for box in range(len(inner)):
         counts[:] = 0

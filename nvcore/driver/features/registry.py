@@ -15,22 +15,22 @@ from typing import Final
 from nvcore.driver.shapes import check_ranges
 
 COLOUR_BINS: Final = 16
-"""Bins of each colour's histogram, as in the paper."""
+"""Number of bins of each colour's histogram, as in the paper."""
 _RANGES: Final = {"surround": (1.1, 10.0), "bin_distance": (0.001, 1000.0)}
 
 
 @dataclass(frozen=True, kw_only=True)
 class FeatureSettings:
-    """How features are computed where the paper is silent; all of it is ours.
+    """Settings of the feature computation that the paper does not specify. All are our choice.
 
     Attributes
     ----------
     surround
-        Sides of the region around a pedestrian, as a multiple of the box's; what the box covers is
-        not part of it.
+        Side lengths of the region around a pedestrian, as a multiple of the box's. The box itself
+        is excluded.
     bin_distance
-        Ground distance of the Earth Mover's Distance from one bin to the next: 1 counts bins, 16
-        grey levels.
+        Ground distance of the Earth Mover's Distance between neighbouring bins: 1 counts bins, 16
+        counts grey levels.
     """
 
     surround: float = 2.0
@@ -42,18 +42,18 @@ class FeatureSettings:
 
 @dataclass(frozen=True)
 class Feature:
-    """A number that says how well a pedestrian can be seen.
+    """Number that describes how well a pedestrian can be seen.
 
     Attributes
     ----------
     key
-        Its column.
+        Column name.
     label, unit
-        What a person reads.
+        Text for people.
     meaning
-        In a sentence, for help texts.
+        Description in a sentence, for help texts.
     is_of_scale
-        Whether it is another number for the same view in a picture with more pixels.
+        Whether the value for the same view changes with the resolution of the picture.
     """
 
     key: str
@@ -118,7 +118,7 @@ FEATURES: Final = (
         is_of_scale=True,
     ),
 )
-"""In the order of every table."""
+"""Features in the order of every table."""
 FEATURE_KEYS: Final = tuple(feature.key for feature in FEATURES)
 LABELS: Final = {feature.key: feature.label for feature in FEATURES}
 

@@ -1,4 +1,4 @@
-"""How bright it was, when it changed from bright to dark, and the time to adapt since then."""
+"""Brightness over time, changes from bright to dark, and the time since to adapt."""
 
 from nvcore.driver.illumination.clock import LightSettings
 from nvcore.driver.illumination.meter import Light, LightSource, picture_level, read_light

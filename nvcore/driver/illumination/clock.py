@@ -1,4 +1,4 @@
-"""Changes from bright to dark, and how long the driver's eyes have had to adapt in each frame."""
+"""Changes from bright to dark, and the time that the driver's eyes had to adapt in each frame."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pandas.core.window import Rolling
 
 _APART_S: Final = 1000.0
-"""Added to the length of each gap for windows over readings: more than any is wide."""
+"""Extra length of each gap for windows over readings. It exceeds the width of any window."""
 
 
 _RANGES: Final = {
@@ -38,21 +38,20 @@ class LightSettings:
     Attributes
     ----------
     drop_factor
-        By so much the light of a light meter falls at least: 1,000 lx to 100 lx with 10. (In the
-        paper's experiment it falls from 1,000 lx to 10 lx.)
+        Minimum factor by which the light of a meter drops, for example 10 from 1,000 lx to 100 lx.
+        (In the paper's experiment it drops from 1,000 lx to 10 lx.)
     picture_drop_factor
-        By so much the mean luminance of the picture falls, where it stands in for a light meter;
-        less, as the camera's exposure follows the light.
+        Minimum factor by which the mean luminance of the picture drops, if it replaces a light
+        meter. It is lower, because the camera's exposure follows the light.
     within_s
-        In so many seconds, or from one reading to the next where these are further apart.
+        Time within which the light drops, s. Consecutive readings may be further apart.
     bright_for_s
-        So long the light must have been there before: what passes sooner, such as an oncoming
-        lamp, is not what the eye was adapted to. After a change, the light must be back for as
-        long to end the adaptation.
+        Minimum duration of bright light before the change, s. Eyes do not adapt to shorter light,
+        such as an oncoming lamp. Light must return for the same time to end the adaptation.
     smooth_s
-        Width of the running median that flicker and single shadows are taken out with.
+        Width of the running median that removes flicker and single shadows, s.
     least_lux
-        What a light meter reads below that counts as that.
+        Minimum for readings of a light meter. Lower ones are raised to it.
     """
 
     drop_factor: float = 10.0
@@ -68,15 +67,15 @@ class LightSettings:
 
 @dataclass(frozen=True)
 class Changes:
-    """Changes from bright to dark of a recording.
+    """Changes from bright to dark in a recording.
 
     Attributes
     ----------
     start_s
-        When it had become dark, seconds from frame 0, float64, ascending, shape (n,).
+        Times at which it had become dark, seconds from frame 0, float64, ascending, shape (n,).
     end_s
-        When the light was back; NaN: not before the next change, not before the readings end or
-        have a gap, or not at all.
+        Times at which the light was back. NaN if it did not come back before the next change, the
+        end of the readings or a gap.
     """
 
     start_s: NDArray[np.float64]
@@ -86,46 +85,47 @@ class Changes:
         return len(self.start_s)
 
     def period_s(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Seconds since the last change at these times, float64, shape (n,).
+        """Return the seconds since the last change at these times, float64, shape (n,).
 
-        NaN until the first, and after the light is back until the next: the eyes are then adapted,
-        as far as is known. That readings end, or have a gap, is for
-        `nvcore.driver.illumination.clock.adaptation_clock` to know. The moment of a change still
-        belongs to what was before it: a frame that ends there lies wholly before.
+        NaN before the first change, and from the return of the light until the next change: the
+        eyes are then adapted as far as known. `nvcore.driver.illumination.clock.adaptation_clock`
+        accounts for gaps and the end of the readings. At the exact time of a change, the previous
+        state still counts, because a frame that ends then lies wholly before it.
         """
         time_s = np.asarray(time_s, np.float64)
         last = np.searchsorted(self.start_s, time_s - SAME_S, side="left") - 1
         period_s = np.full(len(time_s), np.nan)
         after = np.flatnonzero(last >= 0)
         start_s, end_s = self.start_s[last[after]], self.end_s[last[after]]
-        is_over = time_s[after] > end_s + SAME_S  # never where the end is NaN
+        is_over = time_s[after] > end_s + SAME_S  # false if the end is NaN
         period_s[after] = np.where(is_over, np.nan, time_s[after] - start_s)
         return period_s
 
 
 def changes_of(light: Light, settings: LightSettings) -> Changes:
-    """When it became dark, and when the light was back.
+    """Find the times at which it became dark, and at which the light was back.
 
-    Readings are smoothed by a running median. It has become dark where the light is below what it
-    was by the factor: the most that it had been for `bright_for_s` without a break, up to
-    `within_s` ago, or at the reading before where that is longer ago. The light is back where it
-    rises by the factor above the darkest since, and stays so for `bright_for_s`.
+    Readings are smoothed by a running median. It has become dark if the light is below its former
+    level by the factor. The former level is the highest that was held for `bright_for_s` without a
+    break, at most `within_s` ago, or at the previous reading if that is longer ago. The light is
+    back when it rises by the factor above the darkest reading since, and stays there for
+    `bright_for_s`.
 
-    Flicker is taken out by the median, and by the least of `bright_for_s`. A tunnel entered is a
-    change, a tunnel left is none and ends the adaptation. An oncoming lamp neither begins nor ends
-    one, unless it shines for longer than `bright_for_s`. The first `bright_for_s` of the readings,
-    and of those after a gap, are needed to know what the eye is adapted to.
+    The median and the minimum over `bright_for_s` remove flicker. Entering a tunnel is a change.
+    Leaving it is no change and ends the adaptation. An oncoming lamp starts or ends an adaptation
+    only if it shines for longer than `bright_for_s`. No change is found in the first `bright_for_s`
+    of the readings or after a gap, because the adaptation before is unknown.
 
     Parameters
     ----------
     light
-        Readings of a light meter, or of pictures: each has its own factor and least level.
+        Readings of a light meter, or of pictures. Each source has its own factor and minimum level.
     settings
-        What counts as a change.
+        Criteria for a change.
 
     Returns
     -------
-    Changes, ascending; none without readings.
+    Changes, ascending. There are none without readings.
 
     Examples
     --------
@@ -158,14 +158,14 @@ def changes_of(light: Light, settings: LightSettings) -> Changes:
 
 
 def _smooth(light: Light, width_s: float) -> NDArray[np.float64]:
-    """Median of the readings at most half a width away."""
+    """Return the median of the readings within half a width of each reading."""
     if width_s <= 0:
         return light.level
     return np.asarray(_windows(light, light.level, width_s, center=True).median(), np.float64)
 
 
 def _held(light: Light, level: NDArray[np.float64], width_s: float) -> NDArray[np.float64]:
-    """Least level of the last seconds; NaN where the readings, or their stretch, began later."""
+    """Return the minimum level over the last seconds, NaN if the readings cover less."""
     if width_s <= 0:
         return level
     is_known = light.time_s - light.since_s(light.time_s) >= width_s * (1 - 1e-9)
@@ -175,7 +175,7 @@ def _held(light: Light, level: NDArray[np.float64], width_s: float) -> NDArray[n
 def _windows(
     light: Light, level: NDArray[np.float64], width_s: float, *, center: bool = False
 ) -> Rolling[pd.Series[float]]:
-    """Windows over levels by time, with gaps so long that no window reaches over one."""
+    """Return rolling windows over levels by time that never span a gap."""
     passed_s = light.time_s - light.time_s[0] + _APART_S * (np.cumsum(light.is_first) - 1)
     levels = pd.Series(level, index=pd.to_timedelta(passed_s, unit="s"))
     return levels.rolling(pd.Timedelta(seconds=width_s), center=center, closed="both")
@@ -188,25 +188,24 @@ class AdaptationClock:
     Attributes
     ----------
     time_s
-        When each frame begins, seconds from the first of them, float64, shape (n,): the times of
-        the dataset's frames.
+        Start of each frame, seconds from the first frame, float64, shape (n,), as in the dataset.
     level
-        Last reading then, lx by a meter, mean luminance (0 to 1) by pictures, float64, shape (n,);
-        NaN: none, or in a gap of the readings (`Light`).
+        Last reading at that time, lx for a meter, mean luminance (0 to 1) for pictures, float64,
+        shape (n,). NaN without a reading or in a gap (`Light`).
     period_s
         Seconds from the last change from bright to dark to the end of the frame, float64, shape
-        (n,). NaN: the eyes are adapted, or it is not known.
+        (n,). NaN: the eyes are adapted, or it is unknown.
     is_known
-        Whether a change would be known, bool, shape (n,): not before there were readings for long
-        enough without a gap, nor after they have ended.
+        Whether a change would be known, bool, shape (n,). False until the readings have lasted long
+        enough without a gap, and after their end.
     change_s
-        When it became dark, on the same axis as `time_s`, float64, ascending.
+        Times at which it became dark, on the same axis as `time_s`, float64, ascending.
     source
-        What told how bright it was.
+        Source of the brightness.
     simulated_s
-        Which of the changes never was; None: all were.
+        Time of the simulated change. None: all changes are real.
     is_simulated
-        Frames whose period runs from that one, bool, shape (n,); None: no frame's does.
+        Frames whose period runs from the simulated change, bool, shape (n,). None: no frame's does.
     """
 
     time_s: NDArray[np.float64]
@@ -220,7 +219,7 @@ class AdaptationClock:
 
     @property
     def seen_s(self) -> NDArray[np.float64]:
-        """Periods in which adapted eyes are those of long ago, inf; NaN: not known."""
+        """Periods, with inf for eyes known to be adapted, and NaN for unknown."""
         return np.where(self.is_known & np.isnan(self.period_s), np.inf, self.period_s)
 
 
@@ -230,18 +229,18 @@ def adaptation_clock(
     fps: float,
     settings: LightSettings | None = None,
 ) -> AdaptationClock:
-    """Light and adaptation in the frames of a recording.
+    """Compute light and adaptation in the frames of a recording.
 
     Parameters
     ----------
     light
-        Readings over the recording, with times from frame 0; None: nothing is known of the light.
+        Readings over the recording, with times from frame 0. None: the light is unknown.
     frame
-        Numbers of its evaluated frames, int64, ascending, shape (n,).
+        Numbers of the evaluated frames, int64, ascending, shape (n,).
     fps
         Frames per second.
     settings
-        What counts as a change; None: our defaults.
+        Criteria for a change. None: our defaults.
     """
     settings = settings or LightSettings()
     light = light or Light(np.empty(0), np.empty(0), LightSource.PICTURE)
@@ -249,12 +248,12 @@ def adaptation_clock(
     begin_s, end_s = frame / fps, (frame + 1) / fps
     since_s = light.since_s(begin_s)
     period_s = changes.period_s(end_s)
-    # what was before a gap may have ended in it
+    # a change before a gap may have ended within it
     period_s = np.where(end_s - period_s >= since_s, period_s, np.nan)
     is_in_time = begin_s >= since_s + settings.bright_for_s - SAME_S
     first_s = begin_s[0] if len(frame) else 0.0
     return AdaptationClock(
-        (frame - frame[:1].sum()) / fps,  # as a dataset says it
+        (frame - frame[:1].sum()) / fps,  # same rounding as in a dataset
         light.at(begin_s),
         period_s,
         is_in_time | ~np.isnan(period_s),
@@ -264,17 +263,17 @@ def adaptation_clock(
 
 
 def with_change(clock: AdaptationClock, fps: float, change_s: float) -> AdaptationClock:
-    """The clock as it would be, had it become dark at `change_s`, too.
+    """Return the clock as if it had also become dark at `change_s`.
 
-    It runs from there until the next real change; that one's end does not bring it back. The light
-    stays what it was: nobody knows how bright it would have been.
+    The simulated adaptation lasts until the next real change. The end of an earlier real change
+    does not end it. The light stays the same, since its simulated level is unknown.
 
     Parameters
     ----------
     fps
         Frames per second.
     change_s
-        Seconds from the first frame, as `clock.time_s`.
+        Time of the simulated change in seconds from the first frame, as in `clock.time_s`.
     """
     end_s = clock.time_s + 1 / fps
     period_s, is_simulated = period_after(clock.period_s, end_s, change_s, real_s=clock.change_s)
@@ -296,19 +295,19 @@ def period_after(
     *,
     real_s: NDArray[np.float64] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Adaptation periods had it become dark at `change_s`, and which of them run from then.
+    """Return periods as if it had become dark at `change_s`, and a mask of the changed ones.
 
-    Frames that end before or at the change keep theirs; so do all from the next real change on,
-    also where the light is back.
+    Frames that end at or before the change keep their periods. So do all frames from the next real
+    change on, even after the light is back.
 
     Parameters
     ----------
     period_s
-        As they are, seconds, NaN none, float64, shape (n,).
+        Real periods, seconds, NaN for none, float64, shape (n,).
     end_s
-        When the frames end, on the axis of `change_s`, seconds, float64, shape (n,).
+        Ends of the frames on the axis of `change_s`, seconds, float64, shape (n,).
     real_s
-        When it really became dark, on that axis, float64; None: only what the periods say of it.
+        Times of real changes on that axis, float64. None: derive them from the periods.
     """
     since_s = Changes(np.array([change_s]), np.array([np.nan])).period_s(end_s)
     changes_s = np.append(end_s - period_s, [] if real_s is None else real_s)

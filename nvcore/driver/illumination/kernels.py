@@ -1,4 +1,4 @@
-"""The loop over light readings that finds changes from bright to dark."""
+"""Compiled loop over light readings that finds changes from bright to dark."""
 
 from __future__ import annotations
 
@@ -9,34 +9,34 @@ from nvcore.metrics.kernels import compiled
 
 @compiled
 def find_changes(time_s, level, held, is_first, factor, within_s, bright_for_s, start, end):
-    """Readings at which it has become dark, and those at which the light is back; how many.
+    """Find the readings at which it becomes dark and at which light is back, and count the changes.
 
     Parameters
     ----------
     time_s, level
-        Readings, smoothed.
+        Smoothed readings.
     held
-        Least level of the last `bright_for_s` seconds; NaN where less is known.
+        Minimum level of the last `bright_for_s` seconds, NaN if less is known.
     is_first
-        Whether a gap lies before a reading, or nothing: nothing is known then of what came before.
+        Whether a reading is the first one or follows a gap, so that nothing is known before it.
     factor, within_s, bright_for_s
         See `LightSettings`.
     start, end
-        Out: rows of the readings; `end` is -1 where the light does not come back before the next
-        change, or the next gap.
+        Output: rows of the readings. `end` is -1 if the light does not come back before the next
+        change or gap.
     """
     n_changes = 0
-    is_dark = False  # since the last change, as far as is known
-    since = -np.inf  # readings before are of what came before the last change
+    is_dark = False  # since the last change, as far as known
+    since = -np.inf  # earlier readings belong to the time before the last change
     darkest = np.inf
-    risen = -1  # where the light rose that is still up
+    risen = -1  # start of a rise that has lasted until now
     for i in range(len(level)):
         now = time_s[i]
         if is_first[i]:
             since, is_dark = now, False
         before = -np.inf
         j = i
-        # the reading before is looked at however long ago it was: more is not known
+        # the previous reading counts however old it is, as nothing else is known
         while j >= 0 and (time_s[j] >= now - within_s or j == i - 1) and time_s[j] >= since:
             if held[j] > before:
                 before = held[j]

@@ -1,11 +1,11 @@
-"""How bright it was: from a light meter, else from the pictures, which only stand in for one.
+"""Brightness over time, from a light meter or else from the pictures as a substitute.
 
     time_s,lux
     0.00,1020
     0.05,998
 
 Time is that of the recording: frame 0 is at 0 s, frame f at f / fps. Readings before 0 tell what
-the eye was adapted to at the beginning.
+the eyes were adapted to at the beginning.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ from nvcore.inputs.readers.parse.table import read_series
 from nvcore.schema import SAME_S
 
 LEAST_HELD_S: Final = 1.0
-"""So long a reading holds at least."""
+"""Minimum duration for which a reading is valid."""
 MOST_LATE: Final = 2.0
-"""A reading that comes later than so many median steps leaves a gap: one may be lost; ours."""
+"""Maximum number of median steps between readings without a gap. One may be lost. (Our choice.)"""
 PICTURE_LEAST: Final = 0.002
-"""Mean luminance (share of the greatest) below which a picture counts as that dark."""
+"""Minimum mean luminance (share of the maximum). Darker pictures are raised to it."""
 _STEP: Final = 4
-"""Every so many pixels across and down the mean luminance of a picture is taken."""
+"""Step between the pixels over which the mean luminance is computed, across and down."""
 
 
 _SHARE: Final = np.arange(256) / 255
 LINEAR: Final = np.where(_SHARE <= 0.04045, _SHARE / 12.92, ((_SHARE + 0.055) / 1.055) ** 2.4)
-"""Share of the greatest intensity by 8-bit value of sRGB (IEC 61966-2-1), shape (256,)."""
+"""Linear intensity (share of the maximum) by 8-bit sRGB value (IEC 61966-2-1), shape (256,)."""
 
 
 class LightSource(StrEnum):
-    """What told how bright it was."""
+    """Source of the brightness."""
 
     METER = "meter"
     PICTURE = "picture"
@@ -47,12 +47,12 @@ class LightSource(StrEnum):
 
 @dataclass(frozen=True)
 class Light:
-    """How bright it was.
+    """Brightness over time.
 
-    A reading holds until the next, but for a second at the most, or as long as readings are apart
-    (the median) where that is more. Readings that are further apart leave a *gap*, in which the
-    light is not known; where they are more than a second apart as a rule, each may come late by as
-    much again. Between gaps there is a *stretch* of readings.
+    A reading is valid until the next one, for at most a second or the median step if that is
+    longer. Readings that are further apart leave a *gap*, in which the light is unknown. If the
+    median step exceeds a second, a reading may come late by another step without a gap. Between
+    gaps there is a *stretch* of readings.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Light:
     level
         Brightness in the unit of the source, float64, shape (n,), 0 or more.
     source
-        What it comes from.
+        Source of the readings.
     """
 
     time_s: NDArray[np.float64]
@@ -70,22 +70,22 @@ class Light:
 
     @cached_property
     def step_s(self) -> float:
-        """How far apart readings are, seconds: the median; 0 for a single one."""
+        """Median step between readings, seconds. 0 for a single reading."""
         return float(np.median(np.diff(self.time_s))) if len(self.time_s) > 1 else 0.0
 
     @property
     def held_s(self) -> float:
-        """How long a reading holds that none follows, seconds."""
+        """Time for which a reading without a successor is valid, seconds."""
         return max(self.step_s, LEAST_HELD_S)
 
     @property
     def end_s(self) -> float:
-        """Until when the last reading holds; -inf without any."""
+        """End of the validity of the last reading, -inf without readings."""
         return float(self.time_s[-1]) + self.held_s if len(self.time_s) else -math.inf
 
     @cached_property
     def is_first(self) -> NDArray[np.bool_]:
-        """Readings with which a stretch begins, bool, shape (n,); the first does."""
+        """Mask of the first reading of each stretch, bool, shape (n,)."""
         longest_s = max(MOST_LATE * self.step_s, LEAST_HELD_S) + SAME_S
         return np.diff(self.time_s, prepend=-np.inf) > longest_s
 
@@ -96,16 +96,16 @@ class Light:
         return np.stack([self.time_s[after - 1], self.time_s[after]], axis=1)
 
     def at(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The last reading at or before each time, float64, shape (n,).
+        """Return the last reading at or before each time, float64, shape (n,).
 
-        NaN before the first, in gaps, and after `end_s`.
+        NaN before the first reading, in gaps, and after `end_s`.
         """
         return np.where(np.isnan(self.since_s(time_s)), np.nan, self._last(self.level, time_s))
 
     def since_s(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Since when there have been readings without a gap, seconds, float64, shape (n,).
+        """Return the start of the stretch that contains each time, seconds, float64, shape (n,).
 
-        The first reading of the stretch in which each time lies; NaN where there is none.
+        NaN where there is no stretch.
         """
         is_last = np.append(self.is_first[1:], True)[: len(self.time_s)]
         held_until_s = np.where(is_last, self.time_s + self.held_s, np.inf)
@@ -117,28 +117,30 @@ class Light:
     def _last(
         self, values: NDArray[np.float64], time_s: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """The value of the last reading at or before each time; NaN before the first."""
+        """Return the value of the last reading at or before each time, NaN before the first."""
         place = np.searchsorted(self.time_s, time_s, side="right") - 1
-        last: NDArray[np.float64] = np.append(values, np.nan)[place]  # place -1: before the first
+        last: NDArray[np.float64] = np.append(values, np.nan)[
+            place
+        ]  # index -1 stands for times before the first reading
         return last
 
 
 def read_light(path: Path) -> Light:
-    """Readings of a light meter, from a CSV file with the columns time_s and lux.
+    """Read a light meter's readings from a CSV file with the columns time_s and lux.
 
     Raises
     ------
     InputError
-        If it cannot be used (`nvcore.inputs.readers.parse.table.read_series`).
+        If the file cannot be used (`nvcore.inputs.readers.parse.table.read_series`).
     """
     time_s, lux = read_series(path, "lux", what="light readings")
     return Light(time_s, lux)
 
 
 def picture_level(luminance: NDArray[np.uint8]) -> float:
-    """Mean luminance of a picture as a share of the greatest, 0 to 1.
+    """Return the mean luminance of a picture as a share of the maximum, 0 to 1.
 
-    Of every fourth pixel across and down; the 8-bit values are taken as sRGB and made linear.
+    It is computed from every fourth pixel across and down, after linearising the 8-bit sRGB values.
 
     Parameters
     ----------

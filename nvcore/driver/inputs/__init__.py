@@ -1,1 +1,1 @@
-"""From a file of estimates to the detectability of the truth's boxes."""
+"""Reading of detectability estimates and their assignment to truth boxes."""

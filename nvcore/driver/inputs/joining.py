@@ -1,4 +1,4 @@
-"""Read a file of estimates, and join them to the truth's boxes that they are about."""
+"""Read a file of estimates, and join them to their truth boxes."""
 
 from __future__ import annotations
 
@@ -31,14 +31,15 @@ from nvcore.wording import MOST_NAMED, listed, one_line, shortened
 NEEDED: Final = ("recording", "frame", "x", "y", "w", "h", "detectability")
 OPTIONAL: Final = ("track", "sd", "is_outside", "period_s")
 _CALLED: Final = {"sd": "detectability_sd"}
-"""What some columns are called in a dataset."""
+"""Columns that have another name in a dataset."""
 
 
 def read_detectability(file: SourceFile) -> pd.DataFrame:
     """Read a file of estimates: ``recording,frame,x,y,w,h,detectability`` and more.
 
-    Columns may stand in any order; track, sd, is_outside and period_s may be missing, others are
-    not read. An empty detectability is unknown; where period_s is empty, no change of light is.
+    Columns may have any order. track, sd, is_outside and period_s are optional, and unknown columns
+    are ignored. An empty detectability is unknown. An empty period_s means that no change of light
+    is known.
 
     Returns
     -------
@@ -48,7 +49,7 @@ def read_detectability(file: SourceFile) -> pd.DataFrame:
     Raises
     ------
     FormatError
-        With file and line of what is missing, is no number, or is outside 0 to 1.
+        If a column is missing, or a value is not a number or outside 0 to 1, with file and line.
     """
     content = csv_content(file, role="truth")
     header = _header(file, content)
@@ -101,7 +102,7 @@ def _header(file: SourceFile, content: bytes) -> Header:
 
 
 def _tracks(columns: pd.DataFrame, lines: Lines) -> np.ndarray:
-    """Track of each row; `NO_TRACK` where there is none, or ids are text."""
+    """Return the track of each row, `NO_TRACK` for missing ids and for all text ids."""
     none = np.full(len(lines), NO_TRACK)
     if "track" not in columns or isinstance(columns["track"].dtype, pd.CategoricalDtype):
         return none
@@ -112,25 +113,25 @@ def _tracks(columns: pd.DataFrame, lines: Lines) -> np.ndarray:
 
 
 TOLERANCE_PX: Final = 1e-3 * (1 + 1e-6)
-"""Largest difference of a coordinate of an estimate and of its box."""
+"""Maximum difference between a coordinate of an estimate and its box."""
 MOST_SHOWN: Final = 160
-"""Characters of a recording's name with its doubt."""
+"""Maximum length of a recording's name with its doubt, characters."""
 NO_SUCH_BOX: Final = "no such box"
-"""Why a row of estimates is left out, beside `nvcore.inputs.assign_frames.REASONS`."""
+"""Reason for leaving out a row of estimates, beside `nvcore.inputs.assign_frames.REASONS`."""
 
 
 def with_detectability(dataset: Dataset, session: Session) -> Dataset:
-    """The dataset with the detectability that its session names a file of.
+    """Return the dataset with the detectability from its session's file.
 
-    Each row is joined to the truth's box of the same recording and frame whose four coordinates
-    differ by no more than a thousandth of a pixel, and whose track is the same where both have one.
-    Rows without such a box are left out, and reported. A value of the file goes before what the
-    truth itself says of the same box; where the file has none, that stays.
+    Each row is joined to the truth box of the same recording and frame whose four coordinates
+    differ by at most a thousandth of a pixel, and whose track is the same if both have one. Rows
+    without such a box are left out and reported. Values in the file take precedence over the ground
+    truth's own values, which stay for boxes without a value in the file.
 
     Raises
     ------
     InputError
-        If the file, or the record of how it came to be, cannot be used; with file and line.
+        If the file or its record cannot be used, with file and line.
     """
     name: str = session.driver.detectability
     file, provenance = SourceFile(session.folder / name, name), session.driver.provenance
@@ -179,7 +180,7 @@ def with_detectability(dataset: Dataset, session: Session) -> Dataset:
 
 
 def _called(recording: pd.Series[str], dataset: Dataset, titles: Mapping[str, str]) -> Any:
-    """The recordings as the dataset calls them: by title, else by their names in the data."""
+    """Translate recording names of the file to the dataset's, by title or name in the data."""
     known = set(dataset.recordings["name"])
     texts = [name if name in known else titles.get(name, name) for name in recording.cat.categories]
     unique = list(dict.fromkeys(texts))
@@ -188,7 +189,7 @@ def _called(recording: pd.Series[str], dataset: Dataset, titles: Mapping[str, st
 
 
 def _join(dataset: Dataset, table: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
-    """Truth row of each estimate, -1 none, and why it has none; int64 and object, shape (n,)."""
+    """Return the truth row of each estimate, -1 for none, and why it has none, shape (n,)."""
     frames, truth = dataset.frame_columns, dataset.truth
     listed = [frames.frame[start:stop] for start, stop in pairwise(frames.first)]
     frame_row, fault = FramePlaces(dataset.recordings["name"], listed).of(table)
@@ -213,14 +214,14 @@ def _join(dataset: Dataset, table: pd.DataFrame) -> tuple[np.ndarray, np.ndarray
 def _with_origins(
     record: EstimateRecord, dataset: Dataset, detectability: np.ndarray, estimated: np.ndarray
 ) -> EstimateRecord:
-    """The record with the recordings whose values it is about, and those of the truth's own.
+    """Add the names of recordings with estimates and with ground-truth values to the record.
 
     Parameters
     ----------
     detectability
-        Of all boxes, those of the truth first, shape (n_boxes,).
+        Values for all boxes, those of the truth first, shape (n_boxes,).
     estimated
-        Rows of the truth's boxes that the file has a value of.
+        Rows of the truth boxes with a value in the file.
     """
     is_known = ~np.isnan(detectability[: len(dataset.truth)])
     is_estimated = np.zeros_like(is_known)
@@ -237,12 +238,12 @@ def _with_origins(
 def _findings(
     dataset: Dataset, record: EstimateRecord, sha256: str, detectability: np.ndarray, name: str
 ) -> Iterator[Finding]:
-    """Warnings about the file of estimates and its record.
+    """Yield warnings about the file of estimates and its record.
 
     Parameters
     ----------
     detectability
-        Of all boxes with that of the file, those of the truth first, shape (n_boxes,).
+        Values for all boxes including those of the file, truth boxes first, shape (n_boxes,).
     """
     stated = dataset.detectability.value
     differs = ~np.isnan(stated) & (stated != detectability[: len(stated)])
@@ -282,7 +283,7 @@ def _findings(
 
 
 def _doubted(doubts: Mapping[str, str]) -> str:
-    """The recordings with what is in doubt, which may be anything."""
+    """Return the recordings with their doubts as text of limited length."""
     whose = [f"{one_line(name)} ({one_line(why)})" for name, why in doubts.items()]
     return listed([shortened(text, MOST_SHOWN) for text in whose], most=MOST_NAMED)
 

@@ -7,7 +7,7 @@
      "settings": {"light": {"drop_factor": 10.0}},
      "files": {"detectability.csv": "9e07..."}}
 
-Every entry may be missing: it is not known then. Others are not read.
+Missing entries are unknown. Additional entries are ignored.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from nvcore.records import read_record, values_of
 from nvcore.wording import MOST_NAMED, listed, one_line, shortened
 
 SIMULATED: Final = ("no", "some", "all", "")
-"""Of how many subjects the answers were simulated; empty: not known."""
+"""Values for the share of subjects with simulated answers. Empty: unknown."""
 SEARCHES: Final = ("", "quick")
-"""How its features and settings were chosen; empty: as by default, or not known."""
+"""Values for the search for features and settings. Empty: default or unknown."""
 _MOST: Final = 2**53
 _SHOWN_NAME: Final = 40
 _PARTS: Final = {
@@ -57,43 +57,42 @@ class EstimateRecord:
     Attributes
     ----------
     name
-        Of the estimator; empty: not known.
+        Name of the estimator. Empty: unknown.
     fingerprint
-        Of what it was trained on, or of the model; empty: not known.
+        Fingerprint of the training data or of the model. Empty: unknown.
     simulated
-        Whether the subjects from whose answers it was learnt were simulated: ``no``, ``some``,
-        ``all``; empty: not known.
+        Share of training subjects with simulated answers: ``no``, ``some``, ``all``. Empty:
+        unknown.
     n_subjects
-        How many subjects; 0: not known.
+        Number of subjects. 0: unknown.
     files
-        sha256 of each file that it is about, by name.
+        sha256 of each described file, by name.
     written_by
-        Program and version.
+        Program and version that wrote the record.
     light
-        What counted as a change of light (`nvcore.driver.illumination.LightSettings`), as it stands
-        there, unchecked; empty: not known.
+        Criteria for a change of light (`nvcore.driver.illumination.LightSettings`), as written,
+        without validation. Empty: unknown.
     n_estimates, n_light_unknown
-        How many estimates the run made, and how many of them in frames of which it was not known
-        when the light last changed; 0: not known.
+        Numbers of estimates of the run in total, and in frames for which the last change of light
+        was unknown. 0: unknown.
     outside
-        How many of them had a feature outside the range of the training, by its name.
+        Number of estimates with a feature outside the training range, by feature name.
     no_better_at_s
-        Adaptation periods at which the estimator was no better than a constant on pedestrians that
-        it had not seen; empty: none, or not known.
+        Adaptation periods at which the estimator was no better than a constant on unseen
+        pedestrians. Empty: none, or unknown.
     of_no_use
-        Whether it was no better than a constant on these over all periods, either.
+        Whether the estimator was no better than a constant over all periods, either.
     search
-        ``quick``: it was learnt with fewer settings tried than by default; else empty.
+        ``quick`` if fewer settings than by default were tried in the training, else empty.
     other_width
-        Width of the pictures, px, of the recordings, by name, where those of the training were of
-        another width.
+        Picture width, px, of recordings whose width differs from that of the training, by name.
     light_doubts
-        What looks like a light meter of another unit or clock, by the name of the recording.
+        Signs of another unit or clock of the light meter, by recording name.
     picture_doubts
-        What looks like pictures or gaze of something else, likewise.
+        Signs that pictures or gaze belong to another recording, by recording name.
     estimated_in, stated_in
-        Names of the dataset's recordings in which values are estimates, and of those in which some
-        are the ground truth's own; no part of the record itself.
+        Names of the dataset's recordings with estimates, and with values of the ground truth. They
+        are not part of the record file.
     """
 
     name: str = ""
@@ -141,7 +140,7 @@ class EstimateRecord:
 
     @property
     def caution(self) -> str:
-        """Doubts about the estimates: subjects, training, pictures and light. Empty without any."""
+        """Doubts about subjects, training, pictures and light of the estimates, or empty."""
         notes = []
         if self.search or self.simulated in ("all", "some"):
             notes.append(Note("driver.learnt", simulated=self.simulated, search=self.search))
@@ -166,9 +165,9 @@ def _check_counts(name: str, counts: Iterable[int], most: int = _MOST) -> None:
 
 def estimate_json(record: EstimateRecord) -> bytes:
     """Serialize the record as JSON. Equal records give equal bytes."""
-    stated = ("name", "fingerprint", "simulated", "n_subjects")  # by every record
+    stated = ("name", "fingerprint", "simulated", "n_subjects")  # entries that every record has
 
-    def known(*names: str) -> dict[str, object]:  # earlier records have none of them
+    def known(*names: str) -> dict[str, object]:  # earlier records lack these entries
         return {name: value for name in names if (value := getattr(record, name))}
 
     estimates: dict[str, object] = {"n": record.n_estimates}
@@ -189,12 +188,12 @@ def read_estimate_record(path: Path, name: str) -> EstimateRecord:
     Parameters
     ----------
     name
-        Of the file, as the user gave it.
+        File name as given by the user.
 
     Raises
     ------
     InputError
-        If it cannot be opened, or is no such record; it is never half believed.
+        If the file cannot be opened, or any part of the record is invalid.
     """
     expected = "expected the record that nvcore driver estimate writes (docs/driver-reference.md)"
     return read_record(path, name, _record, expected=expected)

@@ -18,19 +18,19 @@ from nvcore.errors import SessionError
 from nvcore.inputs.facts import check_paths, path_field
 
 DETECTABILITY: Final = "detectability"
-"""Subject of findings about a file of estimates of it, among truth and systems."""
+"""Subject of findings about a file of estimates, in addition to truth and systems."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class DriverEntry:
-    """Keys of a ``[[recording]]`` about the driver. None is unknown.
+    """Keys about the driver in a ``[[recording]]``. None is unknown.
 
     Attributes
     ----------
     light
         CSV of a light meter: time_s (0 at frame 0), lux.
     gaze
-        CSV of where the driver looked: frame, x, y (px of the visible picture, where there is one).
+        CSV of gaze points: frame, x, y (px of the visible picture if there is one).
     """
 
     light: str | None = path_field(label="Light meter (CSV: time_s,lux)")
@@ -44,10 +44,10 @@ class DriverTable:
     Attributes
     ----------
     detectability
-        CSV of how likely the driver sees each pedestrian unaided, 0 to 1, in each frame
-        (docs/driver-reference.md); None: nothing is known.
+        CSV with the estimated detectability of each pedestrian, 0 to 1, in each frame
+        (docs/driver-reference.md). None: unknown.
     provenance
-        A record of how it was estimated (`nvcore.driver.inputs.record`); None: nothing is known.
+        Record of the estimation (`nvcore.driver.inputs.record`). None: unknown.
     """
 
     detectability: str | None = path_field()
@@ -62,6 +62,6 @@ class DriverTable:
 
 @dataclass(frozen=True, kw_only=True)
 class DriverTables:
-    """Session keys about what the driver sees unaided."""
+    """Session keys on what the driver sees unaided."""
 
     driver: DriverTable = field(default_factory=DriverTable)

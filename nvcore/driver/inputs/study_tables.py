@@ -1,4 +1,4 @@
-"""Tables of a study: the pedestrians in its pictures, and columns of its trials.
+"""Tables of a study: pedestrians in its pictures, and columns of its trials.
 
 image,pedestrian,x,y,w,h
 park.jpg,1,612,388,31,74
@@ -17,22 +17,22 @@ from nvcore.inputs.readers.parse.table import TextTable, read_table
 from nvcore.wording import shortened
 
 PEDESTRIAN: Final = ("image", "pedestrian")
-"""What tells pedestrians apart, in all tables."""
+"""Columns that identify a pedestrian in all tables."""
 BOX: Final = ("x", "y", "w", "h")
 LONGEST_NAME: Final = 1000
-"""Characters of the name of a picture or of a pedestrian."""
+"""Maximum length of the name of a picture or a pedestrian."""
 LARGEST: Final = 1e6
-"""Of pixels and features: what is larger is a mistake, and too much for a regression."""
+"""Maximum of pixels and features. Larger values are mistakes, and too much for a regression."""
 
 
 def read_picture_boxes(path: Path) -> TextTable:
-    """The table of a file, each pedestrian of a picture once; `picture_boxes` gives the boxes.
+    """Read a table in which each pedestrian of a picture occurs once, for `picture_boxes`.
 
     Raises
     ------
     InputError
-        If the file cannot be opened or is no such table, a name is too long, or a pedestrian stands
-        there twice; with the line.
+        If the file cannot be opened or is not such a table, a name is too long, or a pedestrian
+        occurs twice. Errors in a row state the line.
     """
     table = read_table(path, what="boxes", required=(*PEDESTRIAN, *BOX))
     check_pedestrians(table)
@@ -40,12 +40,12 @@ def read_picture_boxes(path: Path) -> TextTable:
 
 
 def check_pedestrians(table: TextTable) -> None:
-    """Refuse a pedestrian of a picture that stands there twice, or a name that is none.
+    """Reject tables with duplicate pedestrians or invalid names.
 
     Raises
     ------
     FormatError
-        With the line.
+        With the line of the error.
     """
     for name in PEDESTRIAN:
         for row, text in enumerate(table.fields[name]):
@@ -59,16 +59,16 @@ def check_pedestrians(table: TextTable) -> None:
 
 
 def picture_boxes(table: TextTable) -> pd.DataFrame:
-    """The pedestrians of a table.
+    """Return the boxes of the pedestrians in a table.
 
     Returns
     -------
-    image, pedestrian (text), and x, y, w, h (pixels of the picture, float64), row by row.
+    image, pedestrian (text), and x, y, w, h (pixels of the picture, float64), one row per row.
 
     Raises
     ------
     FormatError
-        If a field is empty, no number or too large, or a box has no size; with the line.
+        If a field is empty, not a number or too large, or a box has no size, with the line.
     """
     columns: dict[str, object] = {name: table.texts(name) for name in PEDESTRIAN}
     for name in BOX:
@@ -88,14 +88,13 @@ TRIAL_COLUMNS: Final = (
 )
 """Columns of a file of trials (docs/driver-reference.md), in the order of writing."""
 LATE_S: Final = 0.05
-"""A trial is marked if its picture came earlier or later than asked by more than this, or was to be
-seen for so much more or less."""
+"""Maximum deviation of a picture's time or duration from the plan, s. Others are marked."""
 LONGEST_S: Final = 3600.0
-"""Longest of the times of a trial."""
+"""Maximum of the times of a trial."""
 NO_ANSWER: Final = "no answer"
-"""What `device` says after "marked:" of a trial without an answer in time; it has `not_seen`."""
+"""Text after "marked:" in `device` for a trial without an answer in time. It has `not_seen`."""
 LEAST_PEDESTRIANS: Final = 8
-"""Minimum number of pedestrians at each period: with fewer, models cannot be selected."""
+"""Minimum number of pedestrians at each period. With fewer, models cannot be selected."""
 _ROUNDING_S: Final = 1e-9
 
 
@@ -105,8 +104,8 @@ def is_off_time(by_s: Any) -> Any:
     Parameters
     ----------
     by_s
-        Seconds from what was asked to what was measured: a number, or an array or column of them;
-        NaN, where nothing was measured, is not off time.
+        Measured minus planned seconds: a number, or an array or column. NaN, for nothing measured,
+        is not off time.
 
     Examples
     --------
@@ -117,12 +116,12 @@ def is_off_time(by_s: Any) -> Any:
 
 
 def is_same_time(apart_s: Any) -> Any:
-    """Check whether two planned times are so near that a picture may be on time for both.
+    """Check whether two planned times are so close that a picture may be on time for both.
 
     Parameters
     ----------
     apart_s
-        Seconds from one to the next, 0 or more: a number, or an array of them.
+        Seconds between the two, 0 or more: a number, or an array.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Pictures of a study, each with one pedestrian: their coarse versions, and ones for practice."""
+"""Pictures of a study, each with one pedestrian: their coarse versions, and practice pictures."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ MOST_BYTES: Final = 64 << 20
 COARSE_COLUMNS: Final = 48
 """Width of a coarse picture, px."""
 MARGIN: Final = 0.1
-"""Share of its box by which a pedestrian is taken to be larger, at each side."""
+"""Share of its box by which a pedestrian is enlarged at each side."""
 PRACTICE_SIZE: Final = (1280, 720)
 FIGURES: Final = ((300.0, 330.0, 60.0, 170.0), (890.0, 350.0, 50.0, 140.0))
-"""Box of the figure in each picture for practice: x, y, w, h, px."""
+"""Box of the figure in each practice picture: x, y, w, h, px."""
 
 
 @dataclass(frozen=True)
@@ -53,14 +53,14 @@ class StudyPicture:
 
 
 def read_pictures(folder: Path) -> tuple[StudyPicture, ...]:
-    """Return the pictures that ``boxes.csv`` of a folder names, in its order.
+    """Read the pictures listed in ``boxes.csv`` of a folder, in its order.
 
     Raises
     ------
     InputError
-        If there is no such table (``image,pedestrian,x,y,w,h``; further columns are not read), a
-        file is not in the folder or no picture, a box lies outside its picture, or a picture has
-        two pedestrians: a touch would not say which was seen.
+        If there is no such table (``image,pedestrian,x,y,w,h``, further columns are ignored), a
+        file is missing or not a picture, a box lies outside its picture, or a picture has two
+        pedestrians, so that a touch would be ambiguous.
     """
     table = read_picture_boxes(folder / BOXES_FILE)
     table.unique(("image",), "{image} is there a second time; a study shows one pedestrian each")
@@ -88,7 +88,7 @@ def load_picture(folder: Path, picture: StudyPicture) -> Picture:
     Raises
     ------
     InputError
-        If the file is not there, or not the one that the study began with.
+        If the file is missing, or has changed since the study began.
     """
     content = _content(folder, picture.image)
     if hashlib.sha256(content).hexdigest() != picture.sha256:
@@ -101,7 +101,7 @@ def load_picture(folder: Path, picture: StudyPicture) -> Picture:
 
 
 def _content(folder: Path, image: str) -> bytes:
-    """Return the content of a file that lies in this very folder once links are followed."""
+    """Return the content of a file that lies directly in the folder after resolving links."""
     name = one_line(image)
     place = Path(os.path.realpath(folder / image.replace("\0", "")))
     is_there = place.parent == Path(os.path.realpath(folder)) and place.is_file()
@@ -122,9 +122,9 @@ def coarse(
 ) -> np.ndarray:
     """Return a picture of the same scene in which the pedestrian cannot be seen.
 
-    The place of the pedestrian (the box, and a tenth more at each side) is painted over, from the
-    pixels left of it to those right of it. Then the picture is averaged over squares. The paper
-    says only that the resolution is low, so the method is our choice.
+    The pedestrian's place (the box, and a tenth more at each side) is filled in from the pixels to
+    its left and right. Then the picture is averaged over squares. The paper says only that the
+    resolution is low, so the method is our choice.
 
     Parameters
     ----------
@@ -133,11 +133,11 @@ def coarse(
     box
         x, y, w, h of the pedestrian, px.
     n_columns
-        Width of the result, px; that of the picture, where it is narrower.
+        Width of the result, px. A narrower picture keeps its width.
 
     Returns
     -------
-    uint8, (about height * n_columns / width, n_columns) and the colours.
+    uint8, (about height * n_columns / width, n_columns), with the same channels.
     """
     height, width = picture.shape[:2]
     x, y, w, h = box
@@ -163,7 +163,7 @@ def coarse(
 
 
 def practice_picture(index: int) -> np.ndarray:
-    """Draw a road at dusk: uint8, (720, 1280, 3), RGB, with a figure at ``FIGURES[index]``."""
+    """Draw a road at dusk, uint8, (720, 1280, 3), RGB, with a figure at ``FIGURES[index]``."""
     width, height = PRACTICE_SIZE
     x, y = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
     horizon = 0.45 * height
@@ -183,7 +183,7 @@ def practice_picture(index: int) -> np.ndarray:
 
 
 def _is_figure(x: np.ndarray, y: np.ndarray, box: tuple[float, ...]) -> np.ndarray:
-    """Return the pixels of head, trunk and legs within the box."""
+    """Return a mask of the pixels of head, trunk and legs within the box."""
     left, top, w, h = box
     across, down = (x - left - w / 2) / w, (y - top) / h
     head = (across / 0.22) ** 2 + ((down - 0.08) / 0.08) ** 2 < 1

@@ -12,14 +12,14 @@ from nvcore.driver.study.settings import Design, Timing
 from nvcore.errors import InputError
 
 MOST_TRIALS: Final = 3000
-"""Trials of one participant: 500 pictures at six times, some twenty hours."""
+"""Maximum number of trials per participant: 500 pictures at six times, some twenty hours."""
 SEED: Final = 20_140_051
 N_ORDERS: Final = 5
-"""Orders of runs among which the one with the fewest repeats of a picture is taken."""
+"""Number of random orders of runs to try. The one with the fewest picture repeats is used."""
 ANSWER_S: Final = 2.0
-"""Time for an answer without a time limit, in the stated duration of a study."""
+"""Assumed time per answer without a time limit, for the expected duration."""
 BETWEEN_RUNS_S: Final = 2.0
-"""Time to begin the next run, in the stated duration of a study."""
+"""Assumed time to begin the next run, for the expected duration."""
 
 
 class Trial(NamedTuple):
@@ -28,9 +28,9 @@ class Trial(NamedTuple):
     Attributes
     ----------
     order
-        Place among all trials of the participant, from 1.
+        Number among all trials of the participant, from 1.
     run, position
-        Number of the run, and place in it, from 1.
+        Number of the run, and position in it, from 1.
     picture
         0-based index of the picture.
     adaptation_s
@@ -57,13 +57,12 @@ class Trial(NamedTuple):
 def plan_trials(
     n_pictures: int, participant: int, *, design: Design, timing: Timing
 ) -> tuple[Trial, ...]:
-    """Return the trials of one participant in their order, the same for the same number.
+    """Return the trials of a participant in order. Equal numbers give equal trials.
 
-    With ``all`` every picture is shown at every time, and the two pictures of a run differ. With
-    ``latin`` every picture is shown once. Over as many participants as there are times, every
-    picture is then shown at every time once. Where the pictures do not fill all runs, a run has one
-    picture. The order of the runs is random, but a picture comes in two runs in a row only if it
-    must.
+    With ``all``, every picture is shown at every time, and the two pictures of a run differ. With
+    ``latin``, every picture is shown once, and over as many participants as there are times, every
+    picture is shown at every time once. If the pictures do not fill all runs, a run has one
+    picture. The order of the runs is random, but avoids showing a picture in two consecutive runs.
 
     Parameters
     ----------
@@ -75,7 +74,7 @@ def plan_trials(
     Raises
     ------
     InputError
-        If there is no picture, with ``all`` only one, or there are too many trials.
+        If there is no picture, only one with ``all``, or there are too many trials.
 
     Examples
     --------
@@ -110,7 +109,7 @@ _Times = list[tuple[float, float]]
 
 
 def _every_time(n: int, _participant: int, times: _Times, rng: np.random.Generator) -> list[_Run]:
-    """Draw every picture at every time: first and second pictures are one order, shifted."""
+    """Draw every picture at every time. First and second pictures have the same order, shifted."""
     runs: list[_Run] = []
     for first_s, second_s in times:
         first = rng.permutation(n)
@@ -121,7 +120,7 @@ def _every_time(n: int, _participant: int, times: _Times, rng: np.random.Generat
 
 
 def _latin_square(n: int, participant: int, times: _Times, rng: np.random.Generator) -> list[_Run]:
-    """Draw every picture once. Neighbours in the list of pictures are of one kind of run."""
+    """Draw every picture once. Neighbours in the list of pictures share a kind of run."""
     at_time: list[list[int]] = [[] for _ in range(2 * len(times))]
     for picture in range(n):
         at_time[(picture + participant) % len(at_time)].append(picture)
@@ -136,13 +135,13 @@ def _latin_square(n: int, participant: int, times: _Times, rng: np.random.Genera
 
 
 def _in_order(runs: list[_Run], rng: np.random.Generator) -> list[_Run]:
-    """Return the runs in a random order that avoids one picture in two runs in a row."""
+    """Return the runs in a random order that avoids a picture in two consecutive runs."""
     pictures = [{picture for picture, _ in run} for run in runs]
     orders = []
     for _ in range(N_ORDERS):
         first, *left = rng.permutation(len(runs)).tolist()
         order = [first]
-        while left:  # the next is the first that shares no picture with the last
+        while left:  # take the first run that shares no picture with the previous one
             last = pictures[order[-1]]
             order.append(next((i for i in left if last.isdisjoint(pictures[i])), left[0]))
             left.remove(order[-1])
@@ -157,7 +156,7 @@ def _in_order(runs: list[_Run], rng: np.random.Generator) -> list[_Run]:
 def duration_s(trials: Sequence[Trial], timing: Timing) -> float:
     """Return the expected duration of these trials, s.
 
-    Each answer counts with its time limit, or 2 s without one.
+    Each answer counts with its time limit, or with 2 s if there is none.
     """
     answer_s = timing.answer_s or ANSWER_S
     last_s: dict[int, float] = {}

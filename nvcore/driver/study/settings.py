@@ -1,4 +1,4 @@
-"""Settings that the conductor of a study decides before it begins."""
+"""Settings that the conductor of a study chooses before it begins."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ADAPTATION_S: Final = (0.0, 1.0, 2.5, 4.0, 5.5, 7.0)
 """Seconds from the change of light to the picture's appearance (paper)."""
 LONGEST_S: Final = 600.0
 MOST_TIMES: Final = 24
-"""Times after the change of light."""
+"""Maximum number of times after the change of light."""
 CONSENT: Final = """\
 You look at pictures of roads at dusk, each for a moment, and touch the place where you saw \
 a pedestrian. Before each picture the screen is bright, then dark at once. This may be unpleasant \
@@ -39,35 +39,34 @@ FORM: Final = ("age", "vision", "licence", "screen_inch", "distance_cm")
 
 
 def _asked(label: str, default: Any) -> Any:
-    """Declare a field that the conductor is asked for by this label."""
+    """Declare a field that the conductor fills in under this label."""
     return field(default=default, metadata={"label": label})
 
 
 def asked_of(settings: type[Timing | Facts]) -> list[tuple[str, str, Any]]:
-    """Return name, label and default of each field that the conductor is asked for by a label."""
+    """Return name, label and default of each field that the conductor fills in."""
     return [(of.name, of.metadata["label"], of.default) for of in fields(settings) if of.metadata]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Timing:
-    """Length of each part of a run, seconds (paper: 30 bright, and 0.5 for the picture).
+    """Duration of each part of a run, seconds (paper: 30 bright, and 0.5 for the picture).
 
     Attributes
     ----------
     adaptation_s
-        From the change of light to the appearance of a picture: an even number of times, rising,
-        24 at most.
-        A run shows its first picture at one of the first half, and its second at the one that is
-        half the list later (paper: 0 and 4, 1 and 5.5, 2.5 and 7; the pairs are ours).
+        Times from the change of light to the appearance of a picture, ascending, an even number of
+        at most 24. A run shows its first picture at a time in the first half of the list, and its
+        second picture half the list later (paper: 0 and 4, 1 and 5.5, 2.5 and 7, with our pairing).
     answer_s
-        Longest time for an answer, from the end of the picture. Without a limit the second
-        picture comes late after a late answer, and its trial is marked. The paper gives none.
+        Time limit for an answer, from the end of the picture. Without a limit, a late answer delays
+        the second picture, and its trial is marked. The paper gives no limit.
 
     Raises
     ------
     InputError
-        If there are too many times, one is outside its range, or the second picture of a run would
-        come before the answer to the first has to be there.
+        If there are too many times, a value is outside its range, or the second picture of a run
+        would appear before the time limit of the first answer.
     """
 
     adaptation_s: tuple[float, ...] = ADAPTATION_S
@@ -93,7 +92,7 @@ class Timing:
                 f"{near[0]:g} s and the next are less than {1000 * LATE_S:g} ms apart; a picture "
                 "could be on time for both"
             )
-        elif not 0 <= times[0] <= times[-1] <= LONGEST_S:  # NaN too
+        elif not 0 <= times[0] <= times[-1] <= LONGEST_S:  # also rejects NaN
             fault = f"expected 0 to {LONGEST_S:g} s"
         if fault:
             raise InputError(f"times after the change of light: {fault}")
@@ -119,12 +118,12 @@ class Timing:
 
 @dataclass(frozen=True, kw_only=True)
 class Facts:
-    """Facts measured or set where the study takes place. None: not known.
+    """Facts measured or set at the place of the study. None: unknown.
 
     Raises
     ------
     InputError
-        If one is not above 0.
+        If a value is not above 0.
     """
 
     screen_inch: float | None = _asked("Diagonal of the screen, inches", None)
@@ -138,7 +137,7 @@ class Facts:
                 raise InputError(f"{name}: expected a number above 0, got {value:g}")
 
     def screen_text(self, form: Mapping[str, str]) -> str:
-        """Return screen and distance in words, as a participant's form has them, else as here.
+        """Return screen and distance in words, from a participant's form or else from these facts.
 
         Examples
         --------
@@ -158,23 +157,23 @@ class StudySettings:
     Attributes
     ----------
     design
-        ``all``: every picture at every time; ``latin``: every picture once, and over as many
-        participants as there are times each picture at each time once.
+        ``all``: every picture at every time. ``latin``: every picture once, and each picture at
+        each time once over as many participants as there are times.
     timing, facts
-        Of runs, and of the place.
+        Timing of runs, and facts about the place.
     consent
         Text that participants agree to.
     questions
-        Own questions of the form, after age, vision and licence.
+        Additional questions of the form, after age, vision and licence.
     n_practice
-        Runs with drawn pictures before the first; their answers are not kept.
+        Number of runs with drawn pictures before the first. Their answers are discarded.
     keep_days
-        Days after its beginning at which the study is deleted with all answers.
+        Days after the beginning of a study at which it is deleted with all answers.
 
     Raises
     ------
     InputError
-        If one of them is invalid.
+        If a value is invalid.
     """
 
     design: Design = "latin"
@@ -194,17 +193,17 @@ class StudySettings:
 
     @property
     def form(self) -> dict[str, str]:
-        """Label of each field of the form. Own questions are numbered."""
+        """Label of each field of the form. Additional questions are numbered."""
         return form_of(FORM, self.questions)
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> StudySettings:
-        """Return the settings whose `dataclasses.asdict` was written as JSON.
+        """Parse settings from the JSON values of `dataclasses.asdict`.
 
         Raises
         ------
         InputError
-            If one of them is invalid.
+            If a value is invalid.
         """
         try:
             return decode(cls, values, "settings of the study")

@@ -1,4 +1,4 @@
-"""Detectability studies: people touch the place where they saw the pedestrian of a picture."""
+"""Detectability studies: participants touch the place where they saw the pedestrian."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class DetectabilityStudy(Study):
     settings
         Settings that the conductor chose.
     folder
-        Folder of the pictures, as whoever began the study names it.
+        Folder of the pictures, as named by the user who began the study.
     """
 
     settings: StudySettings
@@ -49,7 +49,7 @@ class DetectabilityStudy(Study):
     ends_at: datetime
 
     def plan(self, number: int) -> tuple[Trial, ...]:
-        """Return the trials of a participant in their order."""
+        """Return the trials of a participant in order."""
         settings = self.settings
         return plan_trials(
             len(self.pictures), number, design=settings.design, timing=settings.timing
@@ -58,27 +58,27 @@ class DetectabilityStudy(Study):
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """Answer of a participant to a picture, and when the picture was shown.
+    """Answer of a participant to a picture, with the times of the picture.
 
     Attributes
     ----------
     measured_s
-        From the change of light to the picture's appearance, by the clock of the animation.
+        Time from the change of light to the picture's appearance, by the animation clock.
     shown_s
-        How long the picture was to be seen, by the same clock.
+        Duration for which the picture was visible, by the same clock.
     touch_x, touch_y
-        Where the pedestrian was, px of the picture; NaN: not seen, or no answer.
+        Touched position, px of the picture. NaN: not seen, or no answer.
     response_s
-        From the picture's appearance to the answer, 3,600 s at most; NaN: there is none.
+        Time from the picture's appearance to the answer, at most 3,600 s. NaN: no answer.
     is_answered
-        True if there is an answer: a touch, or that nobody was seen.
+        True for any answer, including that nobody was seen.
     device
-        What it was answered with, in words.
+        Input device, in words.
 
     Raises
     ------
     InputError
-        If a number is none or outside its range, or one of the two places is missing.
+        If a number is missing or outside its range, or one of two coordinates is missing.
     """
 
     measured_s: float
@@ -103,7 +103,7 @@ class Answer:
 
     @property
     def is_seen(self) -> bool:
-        """True if the participant says where the pedestrian was."""
+        """True if the participant touched a place."""
         return not math.isnan(self.touch_x)
 
 
@@ -160,20 +160,20 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
             begun_at=begun_at,
             ends_at=begun_at + timedelta(days=settings.keep_days),
         )
-        study.plan(0)  # refuses what the design does not allow
+        study.plan(0)  # rejects what the design does not allow
         return self._begin(study)
 
     def end_practice(self, study: DetectabilityStudy, name: str) -> None:
-        """Remember that the participant has seen the practice to its end."""
+        """Record that the participant has finished the practice."""
         query = "UPDATE form SET has_practised = 1 WHERE study = ? AND participant = ?"
         self.execute(query, study.token, name)
 
     def note_showing(
         self, study: DetectabilityStudy, name: str, place: int, report: str = ""
     ) -> None:
-        """Count that the picture of a trial appears: after a reload it was seen before.
+        """Count an appearance of a trial's picture, which repeats after a reload.
 
-        A `report` with the same name as the last one is a repetition, and not counted. One
+        A `report` with the same name as the last one is a repetition and does not count. One
         without a name always counts.
         """
         self._trial(study, name, place)
@@ -191,7 +191,7 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
                 )
 
     def answer(self, study: DetectabilityStudy, name: str, place: int, answer: Answer) -> None:
-        """Keep the first answer to the trial with this ``order``, and ignore later ones.
+        """Store the first answer to the trial with this ``order``, and ignore later ones.
 
         Raises
         ------
@@ -226,9 +226,9 @@ class DetectabilityStore(StudyStore[DetectabilityStudy]):
         return trial
 
     def answers(self, study: DetectabilityStudy) -> dict[str, dict[int, tuple[Answer, int]]]:
-        """Return answers by participant and ``order``, each with how often its picture was shown.
+        """Return answers by participant and ``order``, each with the number of times it was shown.
 
-        0: the browser never reported that it was.
+        A number of 0 means that the browser never reported the picture.
         """
         names = [field.name for field in fields(Answer)]
         answers: dict[str, dict[int, tuple[Answer, int]]] = {}
@@ -246,7 +246,7 @@ def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list
     """Return the irregularities of a trial in words.
 
     A trial is marked if its picture came more than 50 ms early or late, was visible for 50 ms less
-    or more than asked, was shown before (the page was reloaded before the answer), was never
+    or more than planned, was shown before (the page was reloaded before the answer), was never
     reported as shown, or has no answer within the time limit.
 
     Parameters
@@ -266,14 +266,14 @@ def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list
 
 
 def trials_table(store: DetectabilityStore, study: DetectabilityStudy) -> pd.DataFrame:
-    """Return all trials with an answer, or whose time limit has passed, as exported.
+    """Return the exported table of trials that have an answer or whose time limit has passed.
 
     Returns
     -------
-    The columns `TRIAL_COLUMNS`: ``subject`` is the participant's pseudonym; ``run``, ``position``
-    (in the run) and ``order`` (of all trials of the subject) count from 1; seconds and pixels of
-    the picture; ``not_seen`` is also true where there is no answer; ``device`` says with what was
-    answered and, after "marked:", what was not as it should be (`marks_of`).
+    The columns `TRIAL_COLUMNS`. ``subject`` is the participant's pseudonym. ``run``, ``position``
+    (in the run) and ``order`` (of all trials of the subject) count from 1. Times are in seconds,
+    places in pixels of the picture. ``not_seen`` is also true without an answer. ``device`` names
+    the input device and, after "marked:", the irregularities (`marks_of`).
     """
     rows = []
     for person, trial, answer, marks in _answered(store, study, store.participants(study)):
@@ -310,8 +310,8 @@ def participants_table(store: DetectabilityStore, study: DetectabilityStudy) -> 
 
     Returns
     -------
-    ``subject``, ``joined`` (date), ``n_trials``, ``n_answered``, ``n_marked``, and what the form
-    asked for; empty where nothing was entered.
+    ``subject``, ``joined`` (date), ``n_trials``, ``n_answered``, ``n_marked``, and the fields of
+    the form, empty if not filled in.
     """
     people, n_answered, n_marked = store.participants(study), Counter[str](), Counter[str]()
     for person, _, _, marks in _answered(store, study, people):
@@ -335,7 +335,7 @@ def boxes_table(study: DetectabilityStudy) -> pd.DataFrame:
 
 
 def about(study: DetectabilityStudy) -> dict[str, Any]:
-    """Return settings, pictures and dates of a study as values of JSON, without its people."""
+    """Return settings, pictures and dates of a study as JSON values, without its participants."""
     return {
         "begun_at": study.begun_at.isoformat(),
         "deleted_at": study.ends_at.isoformat(),

@@ -1,4 +1,4 @@
-"""Trials with people: who saw which pedestrian how long after the light changed."""
+"""Trials with people: responses to pictures at a given time after the light changed."""
 
 from nvcore.driver.inputs.study_tables import TRIAL_COLUMNS
 from nvcore.driver.trials.judging import Judging, judge_trials, side_of_angle

@@ -1,4 +1,4 @@
-"""Which responses are right: the square around the touch against the pedestrian's centre."""
+"""Judging of responses: the square around the touch against the pedestrian's centre region."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ from nvcore.driver.inputs.study_tables import BOX, PEDESTRIAN, is_off_time
 from nvcore.errors import InputError, ParameterError
 
 DISPLAY_S: Final = 0.5
-"""How long a picture is shown (paper)."""
+"""Duration for which a picture is shown (paper)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Judging:
-    """How responses are judged.
+    """Criteria by which responses are judged.
 
     Attributes
     ----------
     square_px
-        Side of the square around the touch, pixels of the picture; 200 in the paper, which is
-        about 5 degrees there: see `side_of_angle`.
+        Side of the square around the touch, pixels of the picture. The paper uses 200, which is
+        about 5 degrees there; see `side_of_angle`.
     centre_share
         Width and height of the pedestrian's centre region, as a share of the box's. The paper does
-        not say how large it is: one half is ours.
+        not specify it. One half is our choice.
     display_s
-        How long the picture is shown; the adaptation period is the time from the change of light
-        to the end of that.
+        Duration for which a picture is shown. The adaptation period ends with it and starts with
+        the change of light.
 
     Raises
     ------
     ParameterError
-        If one is outside its range.
+        If a value is outside its range.
     """
 
     square_px: float = 200.0
@@ -56,14 +56,14 @@ class Judging:
 def side_of_angle(
     degrees: float = 5.0, *, distance_mm: float, shown_width_mm: float, picture_width_px: float
 ) -> float:
-    """Side of a square that is seen under this angle, in pixels of the picture.
+    """Return the side of a square seen under this angle, in pixels of the picture.
 
     Parameters
     ----------
     degrees
-        The angle, 0 to 90; 5 in the paper.
+        Angle, 0 to 90. The paper uses 5.
     distance_mm
-        From the eye to the screen.
+        Distance from the eye to the screen.
     shown_width_mm
         Width of the picture on the screen.
     picture_width_px
@@ -72,11 +72,11 @@ def side_of_angle(
     Raises
     ------
     ParameterError
-        If a length is not above 0, or the angle outside its range.
+        If a length is not above 0, or the angle is outside its range.
 
     Examples
     --------
-    The paper's screen, on which 5 degrees are 200 px at 27 cm:
+    On the paper's screen, 5 degrees are 200 px at 27 cm:
 
     >>> round(side_of_angle(distance_mm=270, shown_width_mm=226.2, picture_width_px=1920))
     200
@@ -98,19 +98,19 @@ def side_of_angle(
 def judge_trials(
     trials: pd.DataFrame, boxes: pd.DataFrame, judging: Judging, *, name: str = "trials"
 ) -> pd.DataFrame:
-    """Which responses are right, and at which adaptation period.
+    """Judge responses and compute the adaptation period of each trial.
 
     A response is right if the square around the touch and the centre region of the pedestrian
-    overlap; touching sides are none. A picture that was not seen is wrong.
+    overlap. Touching sides do not count. A picture that was not seen is wrong.
 
     Parameters
     ----------
     trials
-        Of `nvcore.driver.trials.table.read_trials`.
+        Table from `nvcore.driver.trials.table.read_trials`.
     boxes
-        ``image,pedestrian,x,y,w,h``, pixels of the picture; one row for each pedestrian.
+        ``image,pedestrian,x,y,w,h``, pixels of the picture, with one row for each pedestrian.
     name
-        Of the file of trials, for errors.
+        File name of the trials for error messages.
 
     Returns
     -------
@@ -120,7 +120,7 @@ def judge_trials(
     Raises
     ------
     InputError
-        If a trial is of a pedestrian without a box; with the line.
+        If the pedestrian of a trial has no box, with the line.
     """
     columns = [*PEDESTRIAN, *BOX]
     judged = trials.merge(boxes[columns], how="left", on=[*PEDESTRIAN], validate="many_to_one")
@@ -142,12 +142,12 @@ def judge_trials(
 
 
 def is_right(trials: pd.DataFrame, judging: Judging) -> pd.Series:
-    """Whether the square around each touch overlaps the centre region, bool.
+    """Return whether the square around each touch overlaps the centre region, bool.
 
     Parameters
     ----------
     trials
-        With ``touch_x``, ``touch_y`` (NaN: not seen) and the pedestrian's ``x, y, w, h``.
+        Table with ``touch_x``, ``touch_y`` (NaN: not seen) and the pedestrian's ``x, y, w, h``.
     """
     across = (trials["touch_x"] - trials["x"] - trials["w"] / 2).abs()
     down = (trials["touch_y"] - trials["y"] - trials["h"] / 2).abs()

@@ -1,4 +1,4 @@
-"""From judged responses to what estimators learn: detectability beside the features."""
+"""Training data of estimators from judged responses: detectability beside the features."""
 
 from __future__ import annotations
 
@@ -37,29 +37,29 @@ from nvcore.notes import Note, phrase
 from nvcore.wording import count_text, did_you_mean, listed
 
 SIMULATED: Final = "simulated"
-"""Device of trials that no person took."""
+"""Device name of trials with simulated subjects."""
 
 
 def read_trials(path: Path) -> pd.DataFrame:
-    """Trials from a CSV file, a row for each picture shown to a subject.
+    """Read trials from a CSV file with one row per picture shown to a subject.
 
     The columns are `TRIAL_COLUMNS`, in any order, separated by commas, semicolons or tabs.
-    ``adaptation_asked_s`` is the time from the change of light to the picture's appearance,
-    ``adaptation_measured_s`` what it was by the clock. ``touch_x`` and ``touch_y`` are in pixels of
-    the picture, and empty where ``not_seen`` is 1. ``adaptation_measured_s``, ``response_s`` and
+    ``adaptation_asked_s`` is the planned time from the change of light to the picture's appearance,
+    ``adaptation_measured_s`` the measured one. ``touch_x`` and ``touch_y`` are in pixels of the
+    picture, and empty if ``not_seen`` is 1. ``adaptation_measured_s``, ``response_s`` and
     ``device`` may be empty.
 
     Returns
     -------
-    The columns in the order of `TRIAL_COLUMNS`, and ``line``: text, whole numbers (int64), seconds
-    and pixels (float64, NaN: empty), ``not_seen`` as bool.
+    The columns in the order of `TRIAL_COLUMNS`, and ``line``: text, integers (int64), seconds and
+    pixels (float64, NaN: empty), ``not_seen`` as bool.
 
     Raises
     ------
     InputError
-        If the file cannot be opened, a column is missing, a field is not of its kind, a touch
-        stands beside ``not_seen`` or neither is there, or a subject has a picture twice at one
-        time; with the line.
+        If the file cannot be opened, a column is missing, a field is invalid, a row has both or
+        neither of a touch and ``not_seen``, or a subject sees a picture twice at one time. Errors
+        in a row state the line.
     """
     table = read_table(path, what="trials", required=TRIAL_COLUMNS)
     seconds = partial(table.numbers, low=0.0, high=LONGEST_S)
@@ -102,18 +102,18 @@ def read_trials(path: Path) -> pd.DataFrame:
 
 
 def read_features(path: Path) -> tuple[pd.DataFrame, pd.DataFrame | None]:
-    """Features of the pedestrians in the pictures, as ``nvcore driver features`` writes them.
+    """Read pedestrians' features from a file written by ``nvcore driver features``.
 
     Returns
     -------
-    ``image``, ``pedestrian`` and the features by their keys (float64, NaN: undefined); and the
-    boxes, as of `picture_boxes`, if the file has them.
+    ``image``, ``pedestrian`` and the features by their keys (float64, NaN: undefined), and the
+    boxes as in `picture_boxes`, or None if the file has no boxes.
 
     Raises
     ------
     InputError
-        If the file cannot be opened or is no such table, or a pedestrian stands there twice; with
-        the line.
+        If the file cannot be opened or is not such a table, or a pedestrian occurs twice. Errors in
+        a row state the line.
     """
     table = read_table(path, what="features", required=(*PEDESTRIAN, *FEATURE_KEYS))
     check_pedestrians(table)
@@ -126,49 +126,51 @@ def read_features(path: Path) -> tuple[pd.DataFrame, pd.DataFrame | None]:
 
 
 LEAST_TRIALS: Final = 10
-"""Fewer say nothing about a subject."""
+"""Minimum number of trials to judge a subject."""
 FAR: Final = 0.25
-"""A share right is far from the others' if it differs by more than this."""
+"""Maximum difference between a subject's share right and the others'."""
 EASY: Final = 0.9
-"""A trial is easy if this share of the others or more is right."""
+"""Minimum share of others who are right in an easy trial."""
 MOST_EASY: Final = 0.75
-"""Who is right in fewer of the easy trials does not attend."""
+"""Minimum share right in easy trials for a subject who pays attention."""
 AT_CHANCE_P: Final = 0.05
-"""Touches are at chance unless they are better with this p-value."""
+"""Maximum p-value at which touches count as better than chance."""
 SAME_PLACE: Final = 0.5
-"""Touches are always in one place if this share of them lies in one square, and not more than half
-as many of the pedestrians."""
+"""Minimum share of touches in one square to count as always in one place, if that square holds at
+most half as large a share of the pedestrians.
+"""
 _MOST: Final = 2000
-"""Touches that are compared with each other; of more, every so many."""
+"""Maximum number of touches to compare with each other. More are subsampled."""
 CELL: Final = [*PEDESTRIAN, "period_s"]
-"""What trials of several subjects are of the same."""
+"""Columns that group trials of several subjects with the same picture and period."""
 
 
 def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
-    """Summarize each subject's responses and why they are odd. All subjects are kept.
+    """Summarize each subject's responses and list oddities. All subjects are kept.
 
-    A subject is odd for any of these reasons (all limits are ours, and need 10 trials):
+    A subject is odd for any of these reasons (all limits are our choice, and need 10 trials):
 
-    - the share right is more than 0.25 from what the others' responses to the same pictures at the
-      same periods let expect, which also lies outside the Wilson interval of the share;
+    - the share right differs by more than 0.25 from the others' responses to the same pictures at
+      the same periods, which also lie outside the Wilson interval of the share;
     - they miss more than a quarter of what nine tenths of the others see;
     - their touches are not better than on other pictures (one-sided binomial test, 0.05);
     - half of their touches or more are in one place that has less than half as many pedestrians;
-    - they never touch.
+    - there are no touches.
 
     Parameters
     ----------
     judged
-        Of `nvcore.driver.trials.judging.judge_trials`.
+        Table from `nvcore.driver.trials.judging.judge_trials`.
 
     Returns
     -------
     A row for each subject, in the order of the file: ``subject``, ``n``, ``n_right``, ``share``
-    with its interval ``low`` and ``high``, ``share_expected`` (from the others; NaN: there are
-    none), ``n_easy`` and ``share_easy`` (trials in which nine tenths of the others are right, and
-    the share right of these; NaN without any), ``n_touches``, ``share_touches_right``,
-    ``share_chance``, ``share_one_place``, ``share_there`` (of the pedestrians in that place; NaN
-    without touches), ``n_off_time``, and ``odd``: why, as text; empty: nothing is.
+    with its interval ``low`` and ``high``, ``share_expected`` (from the others, NaN without
+    others), ``n_easy`` and ``share_easy`` (number of trials in which nine tenths of the others are
+    right, and the subject's share right in them, NaN without any), ``n_touches``,
+    ``share_touches_right``, ``share_chance``, ``share_one_place``, ``share_there`` (share of
+    pedestrians in that place, NaN without touches), ``n_off_time``, and ``odd``: the reasons as
+    text, or empty.
     """
     groups = judged.groupby(CELL)["is_right"]
     n_others = groups.transform("size") - 1
@@ -247,7 +249,7 @@ def _odd(row: dict[str, Any]) -> str:
 
 @dataclass(frozen=True)
 class TrainingTable:
-    """Training data of estimators, and where it is from.
+    """Training data of estimators, with their origin.
 
     Attributes
     ----------
@@ -256,26 +258,26 @@ class TrainingTable:
         ``detectability`` (0..1), ``n_right``, ``n_subjects``, ``low``, ``high`` (Wilson), and the
         features by their keys (float64, NaN: undefined).
     subjects
-        Of `subjects_table`, those left out as well.
+        Table from `subjects_table`, including subjects left out.
     left_out
-        Names of subjects whose responses are not in it.
+        Names of subjects whose responses are excluded.
     n_trials, n_off_time
-        Trials in it, and those of them whose picture came more than 50 ms early or late.
+        Numbers of trials in total, and of those with a picture more than 50 ms early or late.
     n_unanswered
-        Trials without an answer in time, by their mark in ``device``; they count as not seen.
+        Number of trials without an answer in time, marked in ``device``. They count as not seen.
     n_outside
-        Touches outside the picture; 0 where its size is not known.
+        Number of touches outside the picture. 0 if its size is unknown.
     simulated
-        ``"no"``, ``"all"`` or ``"some"``: trials that no person took.
+        ``"no"``, ``"all"`` or ``"some"``: share of trials with simulated subjects.
     judging
-        How the responses were judged.
+        Criteria by which the responses were judged.
     feature_settings
-        With which the features were computed; None: no record beside their file says it.
+        Settings of the feature computation. None: no record beside the file states them.
     picture_px
-        Width and height of the pictures; None: they differ, or no record beside the features says
-        it.
+        Width and height of the pictures. None: they differ, or no record beside the features states
+        them.
     trials_file, features_file
-        What it was read from, for errors.
+        Source files, for error messages.
     """
 
     rows: pd.DataFrame
@@ -294,29 +296,29 @@ class TrainingTable:
 
     @property
     def n_subjects(self) -> int:
-        """Subjects whose responses are in it."""
+        """Number of subjects whose responses are included."""
         return len(self.subjects) - len(self.left_out)
 
     @property
     def responses(self) -> tuple[int, int]:
-        """Fewest and most subjects who responded to one pedestrian at one period."""
+        """Minimum and maximum number of subjects per pedestrian and period."""
         n = self.rows["n_subjects"]
         return int(n.min()), int(n.max())
 
     @property
     def odd_subjects(self) -> tuple[str, ...]:
-        """Subjects with something odd whose responses are in the table."""
+        """Included subjects with odd responses."""
         is_odd = (self.subjects["odd"] != "") & ~self.subjects["subject"].isin(self.left_out)
         return tuple(self.subjects.loc[is_odd, "subject"])
 
     @property
     def n_pedestrians(self) -> int:
-        """Pedestrians, each at one period at least."""
+        """Number of pedestrians that occur at one period at least."""
         return len(self.rows[[*PEDESTRIAN]].drop_duplicates())
 
     @property
     def periods_s(self) -> tuple[float, ...]:
-        """The adaptation periods, ascending."""
+        """Adaptation periods, ascending."""
         return tuple(sorted(self.rows["period_s"].unique().tolist()))
 
 
@@ -328,26 +330,26 @@ def training_table(
     judging: Judging | None = None,
     leave_out: Sequence[str] = (),
 ) -> TrainingTable:
-    """Trials from files, judged and joined to the features of their pictures.
+    """Read trials from files, judge them and join them to the features of their pictures.
 
     Parameters
     ----------
     trials
-        File of `nvcore.driver.inputs.study_tables.TRIAL_COLUMNS`.
+        File with the columns `nvcore.driver.inputs.study_tables.TRIAL_COLUMNS`.
     features
-        File of ``image,pedestrian`` and the eight features.
+        File with ``image,pedestrian`` and the eight features.
     boxes
-        File of ``image,pedestrian,x,y,w,h``; None: the file of features has these columns.
+        File with ``image,pedestrian,x,y,w,h``. None: the file of features has these columns.
     judging
-        How responses are judged; None: as by default.
+        Criteria for correct responses. None: the defaults.
     leave_out
-        Subjects whose responses are not used.
+        Subjects whose responses are excluded.
 
     Raises
     ------
     InputError
-        If a file cannot be used, a trial's pedestrian has no box or no features, there is no such
-        subject, or two adaptation periods are nearer than `LATE_S`.
+        If a file cannot be used, a trial's pedestrian has no box or no features, a subject to leave
+        out does not exist, or two adaptation periods are closer than `LATE_S`.
     """
     judging = judging or Judging()
     table, own_boxes = read_features(features)
@@ -397,19 +399,19 @@ def training_table(
 
 
 def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:
-    """Compute how many of the subjects saw each pedestrian at each period.
+    """Compute the share of subjects who saw each pedestrian at each period.
 
     Parameters
     ----------
     judged
-        Of `nvcore.driver.trials.judging.judge_trials`; a subject has each pedestrian once at a
-        period.
+        Table from `nvcore.driver.trials.judging.judge_trials`. A subject sees each pedestrian once
+        per period.
 
     Returns
     -------
-    ``image``, ``pedestrian``, ``period_s``, ``detectability`` (share of the subjects who are right,
-    0..1), ``n_right``, ``n_subjects``, and the 95 % Wilson interval ``low``, ``high``; by period,
-    then in the order of the trials.
+    ``image``, ``pedestrian``, ``period_s``, ``detectability`` (share of subjects who are right,
+    0..1), ``n_right``, ``n_subjects``, and the 95 % Wilson interval ``low``, ``high``. Sorted by
+    period, then in the order of the trials.
     """
     groups = judged.groupby(CELL, sort=False)["is_right"]
     counts = pd.DataFrame({"n_right": groups.sum(), "n_subjects": groups.size()}).reset_index()
@@ -422,9 +424,9 @@ def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:
 
 
 def _refuse_measured_times(responses: pd.DataFrame, trials: Path) -> None:
-    """Refuse times nearer to each other than pictures come on time: nobody plans these.
+    """Reject periods closer together than pictures are on time, which are measured times.
 
-    Each would have an estimator of its own, of the few trials that had it by the clock.
+    Each of them would get its own estimator from the few trials with that measured time.
     """
     asked_s = np.unique(responses["adaptation_asked_s"].round(6))
     is_near = is_same_time(np.diff(asked_s))
@@ -441,7 +443,7 @@ def _refuse_measured_times(responses: pd.DataFrame, trials: Path) -> None:
 def _refuse_without_features(
     rows: pd.DataFrame, used: pd.DataFrame, trials: Path, features: Path
 ) -> None:
-    """Refuse pedestrians that the file of features does not have."""
+    """Reject pedestrians that the feature file lacks."""
     lost = rows[rows["_merge"] == "left_only"]
     if lost.empty:
         return
