@@ -1,1 +1,1 @@
-"""What the program writes: text of CSV files, and files that are whole or not there."""
+"""Output of the program: CSV text, model files, and atomic writes."""

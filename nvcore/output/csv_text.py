@@ -1,6 +1,6 @@
 """Tables as CSV text: deterministic, fast, and harmless in a spreadsheet.
 
-Written by hand on pyarrow's columns: pandas with a format for floats takes seven times as long
+The text is assembled from pyarrow's columns. With a float format, pandas takes seven times as long
 (200,000 rows of six floats), and pyarrow's own writer quotes every text and cannot limit digits.
 """
 
@@ -26,7 +26,7 @@ def _scalar(text: str) -> pa.Scalar:
 
 
 def spreadsheet_safe(text: str) -> str:
-    """The text as a cell that no spreadsheet runs as a formula: with a leading apostrophe.
+    """Escape text that a spreadsheet would run as a formula, with a leading apostrophe.
 
     Examples
     --------
@@ -37,7 +37,7 @@ def spreadsheet_safe(text: str) -> str:
 
 
 def without_safeguard(text: str) -> str:
-    """The inverse of `spreadsheet_safe`.
+    """Undo `spreadsheet_safe`.
 
     Examples
     --------
@@ -50,21 +50,21 @@ def without_safeguard(text: str) -> str:
 def to_csv_bytes(
     table: pd.DataFrame, *, digits: int | None = DIGITS, header: bool = True, missing: str = ""
 ) -> bytes:
-    r"""The table as UTF-8 CSV with commas and LF line ends; the same table gives the same bytes.
+    r"""Return a table as UTF-8 CSV with commas and LF line ends. Equal tables give equal bytes.
 
-    Missing values (NaN, None, NaT) are empty, booleans 1 and 0, floats as ``%.{digits}g``; text
-    that a spreadsheet would run as a formula gets a leading apostrophe.
+    Missing values (NaN, None, NaT) are empty, booleans 1 and 0, floats ``%.{digits}g``. Text that a
+    spreadsheet would run as a formula gets a leading apostrophe.
 
     Parameters
     ----------
     table
-        Its index is not written.
+        Table without its index, which is not written.
     digits
-        Significant digits of floats, 1..15; None: as many as needed to read back the same number.
+        Significant digits of floats, 1..15. None: as many as needed to read back the same number.
     header
-        Whether the first line holds the names of the columns.
+        Whether the first line holds the column names.
     missing
-        Text of missing values, for formats that have no empty fields.
+        Text for missing values, for formats that have no empty fields.
 
     Examples
     --------
@@ -82,13 +82,13 @@ def to_csv_bytes(
         ]
         texts[-1] = pc.binary_join_element_wise(texts[-1], _scalar("\n"), _scalar(""))
         rows = pc.binary_join_element_wise(*texts, _scalar(","))
-        # the array's memory holds one line after another: that is the file
+        # the array's memory holds the lines one after another, as the file needs them
         parts.append(rows.buffers()[2].to_pybytes())
     return b"".join(parts)
 
 
 def round_significant(values: np.ndarray, digits: int) -> np.ndarray:
-    """Float64 values rounded to significant digits; NaN, infinities and 0 as they are."""
+    """Round float64 values to significant digits. NaN, infinities and 0 stay as they are."""
     with np.errstate(divide="ignore", invalid="ignore"):
         places = digits - 1 - np.floor(np.log10(np.abs(values)))
     places = np.where(values == 0, 0, places)
@@ -99,11 +99,11 @@ def round_significant(values: np.ndarray, digits: int) -> np.ndarray:
     result = np.where(is_near, np.rint(values * up / down) / up * down, values)
     for i in np.flatnonzero(~is_near & np.isfinite(values)):  # rare: below 1e-12, above 1e31
         result[i] = float(f"{values[i]:.{digits}g}")
-    return result + 0.0  # no negative zero
+    return result + 0.0  # avoids negative zero
 
 
 def _texts(column: pd.Series, digits: int | None, missing: str) -> pa.Array:
-    """Cells of a column as text."""
+    """Return the cells of a column as text."""
     if isinstance(column.dtype, pd.CategoricalDtype):
         column = column.astype(object)
     if pd.api.types.is_float_dtype(column.dtype):
@@ -120,7 +120,7 @@ def _texts(column: pd.Series, digits: int | None, missing: str) -> pa.Array:
 
 
 def _other_texts(column: pd.Series) -> pa.Array:
-    """Cells of a column of text or of mixed kinds; every distinct value is converted once."""
+    """Return the cells of a text or mixed column, converting every distinct value once."""
     codes, unique = pd.factorize(column.astype(object), use_na_sentinel=True)
     cells = pa.array([_cell(value) for value in unique], pa.large_string())
     return cells.take(pa.array(codes, mask=codes < 0))

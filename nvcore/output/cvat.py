@@ -1,4 +1,4 @@
-"""Boxes as "CVAT for images" XML 1.1, to be imported into an annotation tool."""
+"""Boxes as "CVAT for images" XML 1.1, for import into an annotation tool."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _NOT_XML = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def cvat_bytes(pictures: pd.DataFrame, boxes: pd.DataFrame) -> bytes:
-    """The pictures with their boxes as UTF-8 XML.
+    """Return pictures with their boxes as UTF-8 XML.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ def cvat_bytes(pictures: pd.DataFrame, boxes: pd.DataFrame) -> bytes:
     """
     texts: list[list[str]] = [[] for _ in range(len(pictures))]
     columns = (boxes[name] for name in ("picture", "label", "x", "y", "w", "h"))
-    # one element a box is what XML wants: a loop
+    # XML needs one element per box, so this is a loop
     for picture, label, x, y, w, h in zip(*columns, strict=True):
         texts[picture].append(
             f'    <box label={_quoted(label)} source="file" occluded="0" xtl="{x:.2f}" '
@@ -55,5 +55,5 @@ def _quoted(text: str) -> str:
 
 
 def _possible(text: str) -> str:
-    """The text without the characters that XML cannot hold."""
+    """Remove the characters that XML cannot hold."""
     return _NOT_XML.sub("�", text)

@@ -1,4 +1,4 @@
-"""Files that the program writes: each is there whole or not at all, and a report is one run's."""
+"""Atomic writes: files are complete or absent, and a report folder holds a single run."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from nvcore.errors import InputError
 from nvcore.wording import one_line, shortened
 
 MANIFEST: Final = "SHA256SUMS"
-"""The hashes of a report's files, as `sha256sum --check` reads them; written last."""
+"""Hashes of a report's files in the format of `sha256sum --check`. It is written last."""
 LOCK: Final = ".nvcore.lock"
 PATIENCE_S: Final = 60.0
-"""How long a run waits for another that writes into the same folder."""
+"""Time that a run waits for another one writing to the same folder."""
 _LONGEST: Final = 80
-"""Characters of a message that name files."""
+"""Maximum length of the file names in a message, characters."""
 _STAGE: Final = ".nvcore-writing-"
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file, which is replaced at once or, if that fails, stays as it was.
+    """Write a file atomically: if that fails, the previous file stays.
 
-    Folders on the way are created. A link goes on pointing to the same place. What is no plain
-    file (a pipe, a terminal) is written to.
+    Parent folders are created. A link keeps pointing to the same place. Special files (a pipe, a
+    terminal) are written to directly.
 
     Raises
     ------
     InputError
-        If it cannot be written.
+        If the file cannot be written.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -57,28 +57,27 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 def write_run(folder: Path, files: Iterable[tuple[str, bytes]], known: Iterable[str]) -> None:
-    """Write the files of one run into a folder, which then holds all of them and no older ones.
+    """Write the files of one run into a folder, replacing those of an older run.
 
-    They are written beside and moved into place at the end, one run after another; a run that is
-    stopped, or that finds the disk full, leaves what was there. `MANIFEST` is missing as long as
-    files are being moved.
+    Files are written to a staging folder and moved into place at the end, one run at a time. A run
+    that is stopped or fills the disk changes nothing. `MANIFEST` is missing while files are moved.
 
     Parameters
     ----------
     files
-        Names and contents, made one after another.
+        Names and contents, which may be generated lazily.
     known
-        Names that a run may write: of these, what this one does not is removed.
+        Names that such runs may write. Those that this run does not write are removed.
 
     Raises
     ------
     InputError
-        If the folder cannot be written to, or another run does not end.
+        If the folder is not writable, or another run does not finish.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with FileLock(folder / LOCK, timeout=PATIENCE_S):
-            for left in folder.glob(f"{_STAGE}*"):  # by a run that was killed
+            for left in folder.glob(f"{_STAGE}*"):  # left by a run that was killed
                 shutil.rmtree(left, ignore_errors=True)
             stage = folder / f"{_STAGE}{secrets.token_hex(8)}"
             stage.mkdir()
@@ -99,17 +98,17 @@ def write_run(folder: Path, files: Iterable[tuple[str, bytes]], known: Iterable[
 
 
 def check_folder(folder: Path, known: Iterable[str]) -> None:
-    """Refuse a folder that a run could not be written to, before a long run.
+    """Check before a long run that its results can be written to a folder.
 
     Parameters
     ----------
     known
-        As of `refuse_other_run`.
+        Same as in `refuse_other_run`.
 
     Raises
     ------
     InputError
-        If it cannot be written to, or holds the run of another command.
+        If the folder is not writable, or holds the run of another command.
     """
     refuse_other_run(folder, known)
     if not _takes_files(folder):
@@ -117,17 +116,17 @@ def check_folder(folder: Path, known: Iterable[str]) -> None:
 
 
 def check_file(path: Path, example: str) -> None:
-    """Refuse a file that could not be written, before a long run.
+    """Check before a long run that a file can be written.
 
     Parameters
     ----------
     example
-        A name that would do, such as ``model.npz``.
+        Valid example name for the message, such as ``model.npz``.
 
     Raises
     ------
     InputError
-        If it is a folder, or cannot be written to.
+        If the path is a folder, or is not writable.
     """
     if path.is_dir():
         raise InputError(f"is a folder; give the name of a file, such as {example}", file=path)
@@ -136,27 +135,27 @@ def check_file(path: Path, example: str) -> None:
 
 
 def _takes_files(folder: Path) -> bool:
-    """Whether files can be written to a folder that is there or is yet to be made."""
+    """Whether files can be written to a folder that exists or will be created."""
     place = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     return place.is_dir() and os.access(place, os.W_OK | os.X_OK)
 
 
 def refuse_other_run(folder: Path, known: Iterable[str]) -> None:
-    """Refuse a folder that holds the run of another command, which would lose some of its files.
+    """Reject a folder that holds another command's run, which would lose some of its files.
 
     Parameters
     ----------
     known
-        Names that a run of this command may write; others in the folder's `MANIFEST` are another's.
+        Names that a run of this command may write. Others in `MANIFEST` belong to another command.
 
     Raises
     ------
     InputError
-        If there is such a file, or the folder cannot be listed.
+        If there is a file of another command, or the folder cannot be listed.
     """
     try:
         lines = (folder / MANIFEST).read_text("utf-8").splitlines()
-    except (OSError, UnicodeDecodeError):  # no run of ours
+    except (OSError, UnicodeDecodeError):  # not written by nvcore
         return
     try:
         there = {path.name for path in folder.iterdir()}
@@ -174,14 +173,14 @@ def refuse_other_run(folder: Path, known: Iterable[str]) -> None:
 
 
 def manifest(files: Iterable[tuple[str, bytes]]) -> bytes:
-    """The hashes of files by their names, as `sha256sum` writes them."""
+    """Return the hashes of files by name in the format of `sha256sum`."""
     return "".join(
         f"{hashlib.sha256(content).hexdigest()}  {name}\n" for name, content in files
     ).encode()
 
 
 def _write_to(stage: Path, files: Iterable[tuple[str, bytes]]) -> list[str]:
-    """The names of the files, `MANIFEST` last."""
+    """Write the files and return their names, `MANIFEST` last."""
     names, lines = [], []
     for name, content in files:
         (stage / name).write_bytes(content)
@@ -200,7 +199,7 @@ def _move(stage: Path, folder: Path, names: Iterable[str], outdated: Iterable[st
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Within it, a wish to stop waits."""
+    """Defer signals that stop the process while this context is open."""
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return

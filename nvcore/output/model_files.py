@@ -1,6 +1,6 @@
-"""Model files: ``.npz`` of plain arrays and a block of JSON, never pickle.
+"""Model files: ``.npz`` with plain arrays and a block of JSON, never pickle.
 
-The archive holds a CRC-32 of each array, and every reader checks it.
+The archive holds a CRC-32 of each array, which every reader checks.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ T = TypeVar("T")
 Arrays = Mapping[str, NDArray[Any]]
 LONGEST_NAME: Final = 200
 ABOUT: Final = "about"
-"""The array of the JSON's bytes."""
+"""Name of the array with the bytes of the JSON."""
 FORMATS: Final = dict(chain(*(subject.formats.items() for _, subject in subjects().values())))
-"""What each kind of model is, by the format that its JSON names."""
+"""Description of each kind of model, by the format that its JSON names."""
 _TIME: Final = (1980, 1, 1, 0, 0, 0)
 _ZIP: Final = b"PK"
 _OF_TEXT: Final = b"\t\n\f\r"
-"""Control characters that text may have."""
+"""Control characters that text may contain."""
 _MOST_LOOKED_AT: Final = 4096
 _MOST_ABOUT: Final = 1 << 22
 _HEADER: Final = re.compile(
@@ -46,7 +46,7 @@ _HEADER: Final = re.compile(
     rb"'fortran_order': False, 'shape': \((?P<shape>(\d{1,10}, ?)*(\d{1,10})?)\), \} *\n",
     re.DOTALL,
 )
-"""As numpy writes it, which reads it as Python: more than an array of numbers may stand there."""
+"""Header as numpy writes it. Numpy parses it as Python, so other headers could hold more."""
 _UNREADABLE: Final = (
     zipfile.BadZipFile,
     zlib.error,
@@ -71,7 +71,7 @@ class Array:
     dtype
         NumPy's text: ``<f8``.
     shape
-        Lengths. Equal words are equal lengths.
+        Lengths. Equal letters are equal lengths.
     low, high
         Range of its values.
     is_optional
@@ -85,7 +85,7 @@ class Array:
     is_optional: bool = False
 
     def check_values(self, name: str, values: NDArray[Any]) -> None:
-        """Refuse values outside the range.
+        """Reject values outside the range.
 
         Raises
         ------
@@ -100,26 +100,26 @@ class Array:
 
 @dataclass(frozen=True, kw_only=True)
 class ModelFormat(Generic[A]):
-    """A kind of model file.
+    """Kind of model file.
 
     Attributes
     ----------
     name, version
-        As its JSON has them under ``format`` and ``version``.
+        Values of ``format`` and ``version`` in its JSON.
     what
-        What it holds, for errors: "an estimator that nvcore driver train wrote".
+        Description for error messages: "an estimator that nvcore driver train wrote".
     error
-        Raised for a file that is none.
+        Error type for invalid files.
     about
-        Dataclass of the rest of its JSON.
+        Dataclass of the remaining JSON.
     arrays
-        By name.
+        Arrays by name.
     longest
-        Greatest length by its word in the shapes.
+        Maximum length by its name in the shapes.
     may_be_empty
-        Words of lengths that may be 0.
+        Names of lengths that may be 0.
     max_bytes
-        Size of the file, and of all that is in it.
+        Maximum size of the file, and of its unpacked content.
     """
 
     name: str
@@ -133,14 +133,14 @@ class ModelFormat(Generic[A]):
     max_bytes: int
 
     def to_bytes(self, about: A, values: Mapping[str, Any]) -> bytes:
-        """Return the content of a file. Equal models give equal bytes.
+        """Serialize a model. Equal models give equal bytes.
 
         Parameters
         ----------
         about
-            Its facts that are None are left out.
+            JSON facts. Those that are None are omitted.
         values
-            Arrays by name, or what becomes one.
+            Arrays, or array-likes, by name.
         """
         return pack(self._members(about, values))
 
@@ -165,12 +165,12 @@ class ModelFormat(Generic[A]):
         return {ABOUT: np.frombuffer(text.encode(), np.uint8), **arrays}
 
     def read(self, path: Path) -> bytes:
-        """Read a file, or as much of it as shows that it is too large.
+        """Read a file, up to the number of bytes that shows that it is too large.
 
         Raises
         ------
         InputError
-            Of the type `error`, if it cannot be opened.
+            Of the type `error`, if the file cannot be opened.
         """
         try:
             with path.open("rb") as file:
@@ -182,19 +182,19 @@ class ModelFormat(Generic[A]):
     def parse(
         self, content: bytes, name: str, build: Callable[[A, dict[str, NDArray[Any]]], T]
     ) -> T:
-        """Return the model that `to_bytes` wrote. Sizes are checked before anything is unpacked.
+        """Parse a file written by `to_bytes`, checking sizes before unpacking anything.
 
         Parameters
         ----------
         name
             File name for error messages.
         build
-            From JSON and arrays, whose types, lengths and ranges have been checked, to the model.
+            Builds the model from JSON and arrays with validated types, lengths and ranges.
 
         Raises
         ------
         InputError
-            Of the type `error`, if the file is damaged or something in it is invalid.
+            Of the type `error`, if the file is damaged or its content is invalid.
         """
         try:
             about, arrays = self._unpack(content)
@@ -254,7 +254,7 @@ class ModelFormat(Generic[A]):
         return arrays
 
     def _check(self, arrays: Arrays) -> None:
-        """Refuse arrays whose lengths do not match, and values that are not finite or in range."""
+        """Reject arrays of mismatched lengths, and values that are not finite or in range."""
         lengths: dict[str, int] = {}
         for name, array in arrays.items():
             for side, length in zip(self.arrays[name].shape, array.shape, strict=True):
@@ -269,7 +269,7 @@ class ModelFormat(Generic[A]):
 
 
 def pack(members: Arrays) -> bytes:
-    """Return the content of a file with these arrays. Equal arrays give equal bytes."""
+    """Serialize arrays as the content of a file. Equal arrays give equal bytes."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, array in members.items():
@@ -282,7 +282,7 @@ def pack(members: Arrays) -> bytes:
 
 
 def format_of(content: bytes) -> str | None:
-    """Return the key of `FORMATS` that a file's JSON names, None if it is no readable model."""
+    """Return the key of `FORMATS` named by a file's JSON, or None if it is not a readable model."""
     member = f"{ABOUT}.npy"
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
@@ -298,12 +298,12 @@ def format_of(content: bytes) -> str | None:
 
 
 def check_name(key: str, name: str) -> None:
-    """Refuse a name that is empty, longer than `LONGEST_NAME` or not printable.
+    """Reject a name that is empty, longer than `LONGEST_NAME` or not printable.
 
     Raises
     ------
     ParameterError
-        Names its key.
+        States the key of the name.
     """
     if not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
         raise ParameterError(
@@ -312,7 +312,7 @@ def check_name(key: str, name: str) -> None:
 
 
 def _kind_of(content: bytes) -> str:
-    """Name the kind of a file that is no archive."""
+    """Describe the kind of a file that is not an archive."""
     if not content:
         return "empty"
     is_text = not any(byte < 32 and byte not in _OF_TEXT for byte in content[:_MOST_LOOKED_AT])
@@ -320,7 +320,7 @@ def _kind_of(content: bytes) -> str:
 
 
 def _array(member: bytes, name: str, kind: str, n_sides: int) -> NDArray[Any]:
-    """An array of a plain type that is as large as its header says."""
+    """Parse an array of a plain type, whose size must match its header."""
     header = _HEADER.match(member)
     if header is None or header.end() != 10 + int.from_bytes(header["length"], "little"):
         raise BadModelError(f"{name} does not begin as an array of numbers")

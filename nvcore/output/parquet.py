@@ -1,4 +1,4 @@
-"""Tables as Parquet: typed columns, nulls for what is missing."""
+"""Tables as Parquet: typed columns, nulls for missing values."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import pyarrow as pa
 
 
 def to_parquet_bytes(tables: pd.DataFrame | Iterable[pd.DataFrame]) -> bytes:
-    """The table as Parquet, packed by Zstandard; the same table gives the same bytes.
+    """Return a table as Zstandard-compressed Parquet. Equal tables give equal bytes.
 
-    Missing values (NaN, None) are null. Texts that repeat are stored once.
+    Missing values (NaN, None) are null. Repeated texts are stored once.
 
     Parameters
     ----------
     tables
-        A table, or its parts one after another, at least one; their index is not written. Columns
-        of objects hold text, or nothing.
+        A table, or at least one part of a table, in order. The index is not written. Object columns
+        hold text or missing values.
     """
     import pyarrow.parquet as pq
 
@@ -25,7 +25,7 @@ def to_parquet_bytes(tables: pd.DataFrame | Iterable[pd.DataFrame]) -> bytes:
     content = pa.BufferOutputStream()
     table = _arrow(next(parts))
     texts = [field.name for field in table.schema if pa.types.is_string(field.type)]
-    # numbers seldom repeat: a dictionary of them takes time
+    # numbers seldom repeat, so a dictionary would only take time
     options = {"compression": "zstd", "use_dictionary": texts or False}
     with pq.ParquetWriter(content, table.schema, **options) as writer:
         writer.write_table(table)
