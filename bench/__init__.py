@@ -1,1 +1,1 @@
-"""Benchmarks of nvcore beside other tools and hand-written baselines: ``make bench``."""
+"""Benchmarks of nvcore against other tools and hand-written baselines: ``make bench``."""

@@ -1,8 +1,8 @@
-"""What one would write by hand: a numpy loop over the frames, and scipy's Hausdorff distance.
+"""Hand-written baselines: a numpy loop over the frames, and scipy's Hausdorff distance.
 
     python -m bench.baselines NAME SET.npz [--repeat 3]
 
-Each does part of what `analyse` does, and its figures are checked against ours:
+Each baseline does part of the work of `analyse`, and its results are checked against ours:
 
 - ``numpy loop``: per frame and system the greedy matching by IoU, both weighted distances and the
   similarity. No encounters, saliency, episodes or Venn categories.
@@ -29,7 +29,7 @@ Figures = list[dict[str, np.ndarray]]
 
 
 def numpy_loop(boxes: BoxSet) -> Figures:
-    """Matched pedestrians and similarity of every frame, for both systems."""
+    """Compute matched pedestrians and similarity of every frame for both systems."""
     params = Params()
     n = boxes.n_frames
     g, g_at = boxes.truth, boxes.truth.offsets(n)
@@ -37,7 +37,7 @@ def numpy_loop(boxes: BoxSet) -> Figures:
     for system in boxes.systems:
         s_at = system.offsets(n)
         matched, similarity = np.zeros(n, np.int64), np.empty(n)
-        for f in range(n):  # the point of this baseline
+        for f in range(n):  # the loop is the point of this baseline
             rows, detections = slice(g_at[f], g_at[f + 1]), slice(s_at[f], s_at[f + 1])
             matched[f] = _match(g, rows, system, detections, params.iou)
             miss = _maximin(g, rows, system, detections)
@@ -81,9 +81,9 @@ def _maximin(a: Boxes, rows: slice, b: Boxes, others: slice) -> float:
 
 
 def scipy_hausdorff(boxes: BoxSet) -> Figures:
-    """Largest distance to the nearest member of the other set, both ways, for both systems.
+    """Compute the largest distance to the nearest member of the other set, both ways, per system.
 
-    NaN where a set is empty.
+    NaN if a set is empty.
     """
     n = boxes.n_frames
     centre = [np.clip(b.x + 0.5 * b.w, 0, WIDTH)[:, None] for b in (boxes.truth, *boxes.systems)]
@@ -91,7 +91,7 @@ def scipy_hausdorff(boxes: BoxSet) -> Figures:
     figures = []
     for source in (1, 2):
         miss, false = np.full(n, np.nan), np.full(n, np.nan)
-        for f in range(n):  # the point of this baseline
+        for f in range(n):  # the loop is the point of this baseline
             truth = centre[0][offsets[0][f] : offsets[0][f + 1]]
             system = centre[source][offsets[source][f] : offsets[source][f + 1]]
             if len(truth) and len(system):

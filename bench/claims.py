@@ -1,12 +1,12 @@
-"""How often does the verdict claim a difference that is none, and one that is?
+"""Measure how often the verdict claims a difference where there is none, and where there is one.
 
     python -m bench.claims --keep ROWS.jsonl [--null 1000] [--power 300] [--processes 2] [--write]
 
-Draws pairs of systems, compares each through the whole library (dataset, comparison, evidence,
-comparison at equal false alarms, strict pairing, verdict) and notes what the verdict claims. Every
-verdict is a line of ROWS.jsonl; those that are there already are not made again. `--write` puts the
-table of shares, with 95 % intervals (Wilson), into docs/significance.md. The same seeds draw the
-same pairs, so that two versions of the rule can be compared verdict by verdict.
+The module draws pairs of systems, compares each through the whole library (dataset, comparison,
+evidence, comparison at equal false alarms, strict pairing, verdict) and records the claims of the
+verdict. Every verdict is a line of ROWS.jsonl. Existing lines are not computed again. `--write`
+puts the table of shares, with 95 % Wilson intervals, into docs/significance.md. The same seeds draw
+the same pairs, so that two versions of the rule can be compared verdict by verdict.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ END: Final = "<!-- end of claims -->"
 SIZES: Final = (6, 8, 12, 20, 30)
 SEED: Final = 2026
 CHUNK: Final = 20
-"""Verdicts of a task: so many are lost at most where a run is stopped."""
+"""Number of verdicts per task. At most this many are lost when a run is stopped."""
 
 N_FRAMES: Final = 30
 TRACKS_PER_FRAME: Final = 0.2
@@ -50,26 +50,28 @@ TRACK_FRAMES: Final = 10
 WIDTH: Final = 640.0
 
 SKEWED_MEAN: Final = 0.1753
-"""What a system misses everywhere that misses as much in the mean as one of 0.2 times a lognormal
-(sigma 1, mean 1), at most 0.95, after both vary by pedestrian (`_detections`); by quadrature."""
+"""Miss rate at which a uniform system misses as much on average as a system with 0.2 times a
+lognormal variable (sigma 1, mean 1), at most 0.95, after both vary by pedestrian (`_detections`).
+Computed by quadrature.
+"""
 
 Systems = tuple["Detector", "Detector"]
 
 
 @dataclass(frozen=True)
 class Detector:
-    """What a simulated system is like.
+    """Properties of a simulated system.
 
     Attributes
     ----------
     miss
         Mean share of pedestrians' frames missed, by recording, shape (n_recordings,).
     clumped
-        Whether a pedestrian is missed throughout or not at all.
+        Whether a pedestrian is missed either throughout or not at all.
     alarms
         Mean number of false alarms per frame, by recording, shape (n_recordings,).
     threshold
-        Scores below it are left out of the file.
+        Score below which detections are omitted from the file.
     """
 
     miss: np.ndarray
@@ -80,22 +82,23 @@ class Detector:
 
 @dataclass(frozen=True)
 class Scenario:
-    """Pairs of systems of one kind.
+    """Kind of simulated pairs of systems.
 
     Attributes
     ----------
     label
-        How they differ, or do not.
+        Description of the difference between the systems.
     draw
-        X and Y for so many recordings; or the kind of drives of the second generator.
+        Draws X and Y for a number of recordings. Alternatively the kind of drives of the second
+        generator.
     has_scores
         Whether detections have scores.
     is_same
-        Whether Y's detections are X's, cut at its own threshold.
+        Whether Y has X's detections, cut at its own threshold.
     has_lengths
         Whether recordings differ in length, up to tenfold.
     is_null
-        Whether there is no difference.
+        Whether the systems are equally good.
     """
 
     label: str
@@ -112,7 +115,7 @@ def logistic(values: np.ndarray) -> np.ndarray:
 
 
 def varying(rng: np.random.Generator, n: int) -> Systems:
-    """Each system is good in some recordings and bad in others, equally often."""
+    """Draw systems that are good in some recordings and bad in others, equally often."""
     hard = rng.normal(-1.2, 0.6, n)
     x, y = (
         Detector(logistic(hard + rng.normal(0, 0.8, n)), rng.gamma(2, 0.1, n)) for _ in range(2)
@@ -121,13 +124,13 @@ def varying(rng: np.random.Generator, n: int) -> Systems:
 
 
 def clustered(rng: np.random.Generator, n: int) -> Systems:
-    """The same, and a pedestrian is missed throughout or not at all."""
+    """Draw systems as `varying`, with each pedestrian missed either throughout or not at all."""
     x, y = varying(rng, n)
     return replace(x, clumped=True), replace(y, clumped=True)
 
 
 def heavy_misses(rng: np.random.Generator, n: int) -> Systems:
-    """The same, and now and then a recording is very much harder for one of them."""
+    """Draw systems as `varying`, with an occasional recording much harder for one of them."""
     x, y = (
         replace(of, miss=logistic(rng.normal(-1.6, 0.4, n) + rng.standard_t(2, n)))
         for of in varying(rng, n)
@@ -136,7 +139,7 @@ def heavy_misses(rng: np.random.Generator, n: int) -> Systems:
 
 
 def heavy_alarms(rng: np.random.Generator, n: int) -> Systems:
-    """The same, and a few recordings have most of the false alarms."""
+    """Draw systems as `varying`, with most of the false alarms in a few recordings."""
     x, y = (
         replace(of, alarms=np.minimum(rng.lognormal(-2.5, 1.3, n), 5.0)) for of in varying(rng, n)
     )
@@ -144,7 +147,7 @@ def heavy_alarms(rng: np.random.Generator, n: int) -> Systems:
 
 
 def skewed(rng: np.random.Generator, n: int) -> Systems:
-    """X misses a little everywhere, Y little in most recordings and much in few: equal means."""
+    """Draw X with few misses everywhere, and Y with many misses in few recordings: equal means."""
     order = rng.permutation(2)
     excess = rng.lognormal(0, 1, n) / np.exp(0.5)
     misses = (np.full(n, SKEWED_MEAN), np.minimum(0.2 * excess, 0.95))
@@ -153,7 +156,7 @@ def skewed(rng: np.random.Generator, n: int) -> Systems:
 
 
 def two_thresholds(rng: np.random.Generator, n: int) -> Systems:
-    """Two systems that are equally good, at thresholds of their own."""
+    """Draw two systems that are equally good, with different thresholds."""
     x, y = varying(rng, n)
     low = rng.uniform(0.0, 0.3)
     cuts = rng.permutation([low, low + rng.uniform(0.15, 0.4)])
@@ -161,7 +164,7 @@ def two_thresholds(rng: np.random.Generator, n: int) -> Systems:
 
 
 def few_alarms(rng: np.random.Generator, n: int) -> Systems:
-    """As `two_thresholds`, with a tenth of the false alarms."""
+    """Draw systems as `two_thresholds`, with a tenth of the false alarms."""
     x, y = two_thresholds(rng, n)
     return replace(x, alarms=0.1 * x.alarms), replace(y, alarms=0.1 * y.alarms)
 
@@ -169,7 +172,7 @@ def few_alarms(rng: np.random.Generator, n: int) -> Systems:
 def fewer_misses(
     share: float, of: Callable[[np.random.Generator, int], Systems] = varying
 ) -> Callable[[np.random.Generator, int], Systems]:
-    """Y misses this share of what it would miss if it were as good as X."""
+    """Return a generator in which Y misses this share of what it would miss if as good as X."""
 
     def draw(rng: np.random.Generator, n: int) -> Systems:
         x, y = of(rng, n)
@@ -197,7 +200,7 @@ SCENARIOS: Final[Mapping[str, Scenario]] = {
         fewer_misses(1 / 2, two_thresholds),
         is_null=False,
     ),
-    # from here on the last in the order of names, by which seeds are numbered
+    # add new scenarios below, with names that sort last, because seeds are numbered by sorted name
     "thresholds": Scenario("two equal detectors at two thresholds, few false alarms", few_alarms),
     "written apart: equal": Scenario("second generator, equal systems", "equal", has_lengths=True),
     "written apart: half": Scenario(
@@ -210,9 +213,9 @@ SCENARIOS: Final[Mapping[str, Scenario]] = {
 
 
 def draw_dataset(scenario: Scenario, n: int, rng: np.random.Generator) -> Dataset:
-    """Recordings of 30 frames with six pedestrians in ten frames each, and a pair of systems.
+    """Draw recordings of 30 frames with six pedestrians in ten frames each, and a pair of systems.
 
-    Or those of `bench.drives`.
+    Scenarios of the second generator use `bench.drives` instead.
     """
     if isinstance(scenario.draw, str):
         return draw_drives(scenario.draw, n, rng)
@@ -264,12 +267,12 @@ def _detections(
     lengths: np.ndarray,
     rng: np.random.Generator,
 ) -> pd.DataFrame:
-    """Of the pedestrians that are not missed, with noise, and false alarms with lower scores."""
+    """Return noisy detections of pedestrians not missed, and false alarms of lower score."""
     n_encounters = len(truth) // TRACK_FRAMES
     miss = detector.miss[recording]
     if detector.clumped:
         drawn = np.repeat(rng.random(n_encounters), TRACK_FRAMES)
-    else:  # half of it is the pedestrian's, half the frame's
+    else:  # half of the variation is the pedestrian's, half the frame's
         drawn = rng.random(len(truth))
         of_track = np.repeat(rng.normal(0, 1, n_encounters), TRACK_FRAMES)
         miss = logistic(np.log(miss / (1 - miss)) + of_track)
@@ -285,14 +288,14 @@ def _detections(
 
 
 def judge(dataset: Dataset) -> tuple[Verdict, pd.DataFrame]:
-    """The verdict, as page, command line and report give it, and the evidence as set."""
+    """Return the verdict, as in page, command line and report, and the evidence."""
     result = compare(dataset)
     evidence, companions = judge_both(result, has_intervals=False)
     return verdict(result, evidence=evidence, companions=companions), evidence
 
 
 def make_rows(task: tuple[str, int, int, int]) -> list[dict[str, Any]]:
-    """The verdicts of a scenario on so many recordings: the pairs from first to before end."""
+    """Compute the verdicts of a scenario for a range of pairs."""
     name, n, first, end = task
     rows = []
     for pair in range(first, end):
@@ -315,7 +318,7 @@ def _defined(p: float) -> float | None:
 
 
 def tasks(n_null: int, n_power: int, done: set[tuple[str, int, int]]) -> Iterator[Any]:
-    """What is to be made, the first pairs of all rows before the next ones."""
+    """Yield the missing tasks, with the first pairs of all rows before the next ones."""
     for first in range(0, max(n_null, n_power), CHUNK):
         for n in SIZES:
             for name, scenario in SCENARIOS.items():
@@ -325,14 +328,14 @@ def tasks(n_null: int, n_power: int, done: set[tuple[str, int, int]]) -> Iterato
 
 
 def read_rows(path: Path) -> list[dict[str, Any]]:
-    """Verdicts of earlier runs."""
+    """Read the verdicts of earlier runs."""
     if not path.exists():
         return []
     return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
 
 
 def table_text(rows: Iterable[Mapping[str, Any]]) -> str:
-    """The tables for docs/significance.md."""
+    """Return the tables for docs/significance.md."""
     of_cell = defaultdict(list)
     for row in rows:
         of_cell[row["scenario"], row["n"]].append(row["claims"])
@@ -352,7 +355,7 @@ def table_text(rows: Iterable[Mapping[str, Any]]) -> str:
 
 
 def _n_text(rows: Iterable[Mapping[str, Any]], *, is_null: bool) -> str:
-    """How many verdicts cells have."""
+    """Return the number of verdicts per cell, as a number or range."""
     of_cell = Counter(
         (row["scenario"], row["n"]) for row in rows if SCENARIOS[row["scenario"]].is_null == is_null
     )
@@ -361,7 +364,7 @@ def _n_text(rows: Iterable[Mapping[str, Any]], *, is_null: bool) -> str:
 
 
 def _share_text(claims: list[dict[str, str]], *, is_null: bool) -> str:
-    """Share of verdicts that claim any difference, or one for Y, with its interval."""
+    """Return the share of verdicts that claim any difference, or one for Y, with its interval."""
     if not claims:
         return "–"
     is_claimed = [bool(of) if is_null else "y" in of.values() for of in claims]
@@ -379,7 +382,7 @@ def main() -> None:
     options = parser.parse_args()
     rows = read_rows(options.keep)
     done = {(row["scenario"], row["n"], row["pair"]) for row in rows}
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # of the new processes: they share the processors
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # for the child processes, which share the processors
     with (
         options.keep.open("a", encoding="utf-8") as file,
         ProcessPoolExecutor(options.processes, get_context("spawn")) as pool,

@@ -1,4 +1,4 @@
-"""What a process costs: the first `nvcore compare` of the sample, the second, an import."""
+"""Measure process costs: the first `nvcore compare` of the sample, the second, and an import."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ CALLS = {
     "import": (("-c", "from nvcore import compare"), "new"),
     "libraries": (("-c", "import numba, pandas, pyarrow, scipy.stats"), "new"),
 }
-"""By name, Python's arguments and the folder of compiled functions (``NUMBA_CACHE_DIR``).
+"""Python's arguments and the folder of compiled functions (``NUMBA_CACHE_DIR``), by name.
 
-The first finds no compiled functions. Python's own bytecode is there for it, as an installation by
-pip leaves it, whatever this environment has: the call before fills a folder of its own with it.
+The first call finds no compiled functions. It does find Python's own bytecode, as after an
+installation by pip, because the call before fills a separate folder with it.
 """
 
 
 def measure_command_line(root: Path) -> dict[str, list[float] | str]:
-    """Of each of `CALLS`, seconds by the clock and of the processor; else why under ``failed``."""
+    """Return wall-clock and processor seconds of each of `CALLS`, or why it ``failed``."""
     seconds: dict[str, list[float] | str] = {}
     with tempfile.TemporaryDirectory() as folder:
         environment = {
@@ -48,7 +48,7 @@ def measure_command_line(root: Path) -> dict[str, list[float] | str]:
                 check=False,
             )
             seconds[call] = [perf_counter() - start, _processor_s() - used]
-            # 1 is "findings", unless it comes from a crash
+            # exit code 1 means "findings", unless it comes from a crash
             if process.returncode not in (0, 1) or "Traceback" in process.stderr:
                 last = (process.stderr.strip().splitlines() or ["no message"])[-1]
                 return {"failed": f"`python {' '.join(arguments)}` fails: {last}"}
@@ -56,6 +56,6 @@ def measure_command_line(root: Path) -> dict[str, list[float] | str]:
 
 
 def _processor_s() -> float:
-    """Of all processes that this one has started and that have ended."""
+    """Return the processor seconds of all child processes that have ended."""
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime + usage.ru_stime

@@ -1,4 +1,4 @@
-"""A set as nvcore's own CSV or Parquet with a session file, to be opened in the dashboard.
+"""Write a set as nvcore's CSV or Parquet with a session file, for the dashboard.
 
 python -m bench.csv_files N FOLDER [--one-recording] [--parquet]
 """
@@ -33,7 +33,7 @@ path = "y.csv"
 format = "csv"
 frame_base = 0
 """
-"""Truth and systems of a session file beside the files that `write_csv` writes."""
+"""Truth and systems of a session file beside the files written by `write_csv`."""
 SESSION = """\
 [defaults]
 size = "{width}x{height}"
@@ -46,9 +46,9 @@ DECIMALS = 2
 def write_csv(
     boxes: BoxSet, folder: Path, *, one_recording: bool = False, ending: str = "csv"
 ) -> Path:
-    """Write truth.csv (or truth.parquet), x.csv, y.csv and session.toml; returns the session file.
+    """Write truth.csv (or .parquet), x.csv, y.csv and session.toml, and return the session file.
 
-    The last recording must be a whole one: all have the same list of frames.
+    The last recording must be complete, because all have the same list of frames.
     """
     length = boxes.n_frames if one_recording else min(FRAMES_PER_RECORDING, boxes.n_frames)
     folder.mkdir(parents=True, exist_ok=True)

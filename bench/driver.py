@@ -1,11 +1,12 @@
-"""Time of the driver's features, beside the same by OpenCV calls for each box.
+"""Measure the time of the driver's features, against OpenCV calls for each box.
 
     python -m bench.driver [--frames 20] [--boxes 20] [--size 1920x1080]
 
-Pictures are made: colours in patches, noise, and so many boxes a frame, as high as 40 to 400 px
-(equal shares of each doubling). Decoding is apart. The plain way cuts out each box and its surround
-and asks OpenCV for luminance, L*a*b*, Sobel and histograms; its values must be ours. Ratios are of
-processor time and hold on a busy machine, too; boxes a second are of wall-clock time.
+Pictures are synthetic: patches of colour, noise, and the given number of boxes per frame, 40 to 400
+px high (equal shares of each doubling). Decoding is not included. The plain way cuts out each box
+and its surround and calls OpenCV for luminance, L*a*b*, Sobel and histograms. Its values must equal
+ours. Ratios are of processor time and therefore valid on a busy machine. Boxes per second are of
+wall-clock time.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ LOWEST, HIGHEST, ASPECT = 40.0, 400.0, 0.41
 
 
 def picture(rng: np.random.Generator, width: int, height: int) -> np.ndarray:
-    """Patches of colour with noise."""
+    """Draw patches of colour with noise."""
     patches = rng.integers(0, 256, (height // 30, width // 30, 3), dtype=np.uint8)
     large = cv2.resize(patches, (width, height), interpolation=cv2.INTER_CUBIC)
     noisy = large + rng.normal(0, 6, large.shape)
@@ -42,13 +43,13 @@ def boxes_of(rng: np.random.Generator, n: int, width: int, height: int) -> np.nd
 
 
 def plain(rgb: np.ndarray, boxes: np.ndarray, fixation: tuple[float, float]) -> np.ndarray:
-    """The features by OpenCV calls, box by box."""
+    """Compute the features with OpenCV calls, box by box."""
     height, width = rgb.shape[:2]
     regions = regions_of(boxes, width, height, 2.0)
     rows = []
     for box, inner, outer in zip(regions.box, regions.inner, regions.outer, strict=True):
         left, top, right, bottom = outer
-        # one pixel more on each side, for the gradient
+        # one extra pixel on each side for the gradient
         x0, y0, x1, y1 = (
             max(left - 1, 0),
             max(top - 1, 0),
@@ -93,7 +94,7 @@ def plain(rgb: np.ndarray, boxes: np.ndarray, fixation: tuple[float, float]) -> 
 
 
 def processor_seconds(work: Callable[[], object], times: int = 3) -> float:
-    """Least processor time of a few calls in this thread."""
+    """Return the minimum processor time of a few calls in this thread."""
     seconds = []
     for _ in range(times):
         start = thread_time()

@@ -1,8 +1,8 @@
-"""A second generator of drives for `bench.claims`, written without knowledge of the first.
+"""Second generator of drives for `bench.claims`, written without knowledge of the first.
 
-Pedestrians approach and grow; misses last, and depend on size, occlusion, and on what a recording,
-a pedestrian and a system in a recording are like; false alarms last, at places that both systems
-may fall for; scores of both overlap.
+Pedestrians approach and grow. Misses persist, and depend on size, occlusion, and on effects of the
+recording, the pedestrian, and the system in a recording. False alarms persist at places that may
+attract both systems. Scores of hits and false alarms overlap.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ WIDTH: Final = 640
 HEIGHT: Final = 480
 
 Kind = Literal["equal", "thresholds", "half"]
-"""X and Y alike; alike at score thresholds of their own; Y without half of its runs of misses."""
+"""Equal systems, equal systems at different thresholds, or Y with half of its runs of misses."""
 
 
 class Boxes(NamedTuple):
     """Boxes of the truth (system -1), or detections of both systems (0 X, 1 Y).
 
-    `box`: x, y, w, h in px, shape (4, n_boxes); `score`: logit, NaN for truth; `frame`: from 0
+    `box`: x, y, w, h in px, shape (4, n_boxes). `score`: logit, NaN for truth. `frame`: from 0
     within the recording.
     """
 
@@ -37,7 +37,7 @@ class Boxes(NamedTuple):
 
 
 def draw_drives(kind: Kind, n: int, rng: np.random.Generator) -> Dataset:
-    """Recordings of 40 to 80 frames with about eight pedestrians each, and X and Y."""
+    """Draw recordings of 40 to 80 frames with about eight pedestrians each, and X and Y."""
     n_frames = rng.integers(40, 81, n)
     frame = np.arange(n_frames.max())
     n_tracks = np.maximum(rng.poisson(8, n), 1)
@@ -76,7 +76,7 @@ def _walk(
     n: int,
     rng: np.random.Generator,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """In which frames pedestrians are there, (n_tracks, n_frames), and their boxes, (4, ...)."""
+    """Return the presence of pedestrians, (n_tracks, n_frames), and their boxes, (4, ...)."""
     n_tracks = len(recording)
     length = np.minimum(rng.integers(12, 56, n_tracks), n_frames)
     start = rng.integers(0, n_frames - length + 1)[:, None]
@@ -94,7 +94,7 @@ def _walk(
 def _look(
     h: np.ndarray, recording: np.ndarray, n: int, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Misses of both systems and the logits of their scores; shape (2, n_tracks, n_frames)."""
+    """Draw misses of both systems and the logits of their scores, (2, n_tracks, n_frames)."""
     shape = (2, *h.shape)
     is_hidden = _held(rng.random(h.shape) < 0.08, rng.random(h.shape) < 0.15)
     shared = rng.normal(0, 0.5, n)[recording] + rng.normal(0, 0.6, len(h))
@@ -108,7 +108,7 @@ def _look(
 
 
 def _alarm(n_frames: np.ndarray, rng: np.random.Generator) -> Boxes:
-    """False alarms, some after the last frame; scores are logits."""
+    """Draw false alarms, some after the last frame. Scores are logits."""
     n = len(n_frames)
     n_spots = rng.poisson(0.24 * rng.gamma(2.0, 0.5, n) * n_frames)
     recording = np.repeat(np.arange(n), n_spots)
@@ -131,14 +131,14 @@ def _alarm(n_frames: np.ndarray, rng: np.random.Generator) -> Boxes:
 
 
 def _held(values: np.ndarray, is_new: np.ndarray) -> np.ndarray:
-    """The value of the frame in which there was last a new one."""
+    """Return for each frame the value of the last new one."""
     frame = np.arange(is_new.shape[-1])
     latest = np.maximum.accumulate(np.where(is_new, frame, 0), axis=-1)
     return np.take_along_axis(values, latest, axis=-1)
 
 
 def _moved(box: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Boxes a few percent of their size beside and larger or smaller."""
+    """Return boxes that are shifted and resized by a few percent of their size."""
     x, y, w, h = box
     across, down, wider, taller = 0.03 * rng.standard_t(6, box.shape)
     new_w, new_h = w * np.exp(1.2 * wider), h * np.exp(taller)

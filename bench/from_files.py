@@ -1,8 +1,8 @@
-"""From MOTChallenge files to figures, two systems: what a user waits for.
+"""Measure the time from MOTChallenge files to results for two systems, as users experience it.
 
     python -m bench.from_files TOOL FOLDER [--repeat 3]
 
-FOLDER is what `bench.mot_files` wrote. Timed, after the imports and a run on a small set:
+FOLDER is an output of `bench.mot_files`. Timed after the imports and a run on a small set:
 
 - ``nvcore, from files``: `load` (reading, hashing the files, placing the boxes) and `analyse`,
   with the default two threads.
@@ -58,7 +58,7 @@ def _nvcore(folder: Path) -> Work:
 
 
 def _trackeval(folder: Path) -> tuple[Any, Any]:
-    """TrackEval's dataset and metric."""
+    """Return TrackEval's dataset and metric."""
     from trackeval.datasets import MotChallenge2DBox
     from trackeval.metrics import CLEAR
 

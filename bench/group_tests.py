@@ -1,13 +1,13 @@
-"""How often do tests of small groups find a difference between equal means?
+"""Measure how often tests of small groups find a difference between equal means.
 
     python -m bench.group_tests [--sets 2000] [--shape normal]
 
-Draws groups of values with equal means, and prints the share of them with p at 0.05 or less
-as a table: permuting F, permuting Welch's F, the larger p of that and of Welch's F distribution, a
-parametric bootstrap (Krishnamoorthy, Lu and Mathew 2007, A parametric bootstrap approach for ANOVA
-with unequal variances), and Welch's F distribution, which is what `nvcore groups` takes. The last
-one is also measured on `MORE` times as many sets. docs/decisions/089-small-groups-by-welch.md has
-the result.
+The module draws groups of values with equal means, and prints the share of them with p at 0.05 or
+less as a table. Methods: permuting F, permuting Welch's F, the larger p of that and of Welch's F
+distribution, a parametric bootstrap (Krishnamoorthy, Lu and Mathew 2007, A parametric bootstrap
+approach for ANOVA with unequal variances), and Welch's F distribution, which `nvcore groups` uses.
+The last one is also measured on `MORE` times as many sets. The result is in
+docs/decisions/089-small-groups-by-welch.md.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ SHAPES: Final = {
     "exponential": lambda rng, size: rng.exponential(size=size) - 1,
     "uniform": lambda rng, size: rng.uniform(-np.sqrt(3), np.sqrt(3), size),
 }
-"""Values of mean 0 and SD 1."""
+"""Generators of values with mean 0 and SD 1."""
 SEED: Final = 54
 MORE: Final = 50
 N_BOOTSTRAP: Final = 1_000
@@ -43,7 +43,7 @@ N_BOOTSTRAP: Final = 1_000
 def draw(
     rng: np.random.Generator, shape: str, n: np.ndarray, sds: tuple[int, ...], n_sets: int
 ) -> tuple[list[np.ndarray], np.ndarray, np.ndarray]:
-    """Values of each group, shape (n_sets, n), and their means and variances, (n_sets, k)."""
+    """Draw values of each group, (n_sets, n), with their means and variances, (n_sets, k)."""
     groups = [sd * SHAPES[shape](rng, (n_sets, size)) for size, sd in zip(n, sds, strict=True)]
     mean = np.stack([own.mean(axis=1) for own in groups], axis=1)
     return groups, mean, np.stack([own.var(axis=1, ddof=1) for own in groups], axis=1)

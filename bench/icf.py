@@ -1,12 +1,13 @@
-"""Time of the ICF detector on two grids of windows, beside the same work in numpy.
+"""Measure the time of the ICF detector on two grids of windows, against numpy.
 
     python -m bench.icf [--models DIR] [--pictures 10]
 
-Trains two models on the real signs (`$NVCORE_REALDATA`) and keeps them in the folder: a window of
-64 px as in the Aalborg report, 1360x800 px, scales 1.0 to 1.7, stride 6; and one of 30 px at
-640x480, scales 1.0 to 2.4, stride 6. Times are those of `detect`: windows, suppression, and which
-limit each box shows. Pictures are decoded and resized before; how long decoding takes is apart.
-Last comes what it costs in accuracy to make every other scale's channels from the scale before.
+The module trains two models on the real signs (`$NVCORE_REALDATA`) and keeps them in the folder:
+one with a window of 64 px as in the Aalborg report, at 1360x800 px, scales 1.0 to 1.7, stride 6,
+and one of 30 px at 640x480, scales 1.0 to 2.4, stride 6. Times are those of `detect`: windows,
+suppression, and reading the limit in each box. Decoding and resizing are done before, and decoding
+is timed separately. The last result is the accuracy lost by approximating every other scale's
+channels.
 """
 
 from __future__ import annotations
@@ -30,12 +31,12 @@ from scripts.detectors.sign_data import SignScenes as SignScenes
 from scripts.realdata import realdata
 
 TREES = (64, 256, 686)
-"""The report's detector has 686 trees."""
+"""Numbers of trees. The report's detector has 686."""
 
 
 @dataclass(frozen=True)
 class Grid:
-    """A grid of windows, and how many they are by the report's formula."""
+    """Grid of windows, with their number by the report's formula."""
 
     name: str
     settings: IcfSettings
@@ -44,7 +45,7 @@ class Grid:
 
 
 def of_window(side: int, scales: tuple[float, ...]) -> IcfSettings:
-    """Settings with a window of a size, whose object fills 5/6 of it."""
+    """Return settings with a window of a size whose object fills 5/6 of it."""
     return replace(
         SIGNS, window_width=side, window_height=side, object_width=side * 5 / 6,
         object_height=side * 5 / 6, scales=scales, stride=6, features=2000,
@@ -70,7 +71,7 @@ def trained(grid: Grid, folder: Path, realdata: Path) -> IcfDetector:
 
 
 def numpy_loop(detector: IcfDetector, picture: np.ndarray, every: int) -> tuple[float, int]:
-    """Seconds for all windows by a plain loop, from every so many of them; and how many."""
+    """Return seconds of a plain loop, extrapolated from a sample, and number of windows."""
     model = detector.model
     settings, trees = model.settings, model.trees
     lowest, restarts = floors(settings, model.calibration)
@@ -153,17 +154,17 @@ def measure(grid: Grid, detector: IcfDetector, pictures: list[np.ndarray]) -> No
 def approximation_error(
     detector: IcfDetector, picture: np.ndarray, scale: float, near: float
 ) -> dict[str, float]:
-    """Mean absolute error of channels made from those of a near scale, over the channel's mean."""
+    """Return the mean absolute error of approximated channels relative to the channel's mean."""
     model, sides = detector.model, np.array(picture.shape[1::-1])
     sizes = [(sides / at + 1e-6).astype(int).tolist() for at in (scale, near)]
     exact, planes = (channel_planes(resized(picture, *size), model.settings) for size in sizes)
     apart = np.abs(rescaled(planes, *sizes[0], model.powers).astype(float) - exact)
-    ratio = apart.mean(axis=(1, 2)) / exact.mean(axis=(1, 2))  # NaN where a channel is all 0
+    ratio = apart.mean(axis=(1, 2)) / exact.mean(axis=(1, 2))  # NaN if a channel is all 0
     return dict(zip(model.channels, ratio.tolist(), strict=True))
 
 
 def show_approximation(detector: IcfDetector, pictures: list[np.ndarray]) -> None:
-    """How far channels made from those of the scale before are from computed ones."""
+    """Print the error of channels approximated from the previous scale."""
     scales = detector.model.settings.scales
     errors = [
         approximation_error(detector, picture, scale, before)
@@ -177,7 +178,7 @@ def show_approximation(detector: IcfDetector, pictures: list[np.ndarray]) -> Non
 
 
 def without_windows(detector: IcfDetector) -> IcfDetector:
-    """The same detector without a window to look at: what is left is channels and integrals."""
+    """Return the same detector without windows, which leaves only channels and integral images."""
     nowhere = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     return detector.run_with(region=nowhere)
 

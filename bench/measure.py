@@ -1,6 +1,6 @@
-"""Time and memory of one piece of work; a worker's report, one line of JSON.
+"""Time and memory of a piece of work, and a worker's report as one line of JSON.
 
-Imports nothing but the standard library: every environment can use it.
+The module imports only the standard library, so that every environment can use it.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from time import perf_counter
 from typing import Any
 
 TO_VERDICT = "to the verdict"
-"""Name of the row: comparison, audit, intervals, tests, companions and verdict."""
+"""Name of the row with comparison, audit, intervals, tests, companions and verdict."""
 BUDGET_S = 30.0
-"""No further repetition of one piece of work after so long."""
+"""Total time after which a piece of work is not repeated again."""
 
 
 def measure(work: Callable[[], Any], times: int) -> tuple[Any, list[float], float]:
-    """Result of the first of up to `times` calls, seconds of all, peak memory of the first, MB."""
+    """Return the first result of up to `times` calls, all seconds, and the first call's peak MB."""
     start = perf_counter()
     result, peak_mb = peak_beyond(work)
     return result, repeat(lambda _: work(), times, [perf_counter() - start]), peak_mb
 
 
 def repeat(work: Callable[[int], Any], times: int, seconds: Sequence[float] = ()) -> list[float]:
-    """Seconds of up to `times` calls ``work(i)``, after those in `seconds`; results are dropped."""
+    """Call ``work(i)`` up to `times` times, and return the seconds after those given."""
     seconds = list(seconds)
     while len(seconds) < times and sum(seconds) < BUDGET_S:
         gc.collect()
@@ -41,11 +41,11 @@ def repeat(work: Callable[[int], Any], times: int, seconds: Sequence[float] = ()
 
 
 def peak_beyond(work: Callable[[], Any]) -> tuple[Any, float]:
-    """Result of `work`, and by how many MB the process's peak memory passed what it had before.
+    """Return the result of `work`, and the MB by which it raised the process's peak memory.
 
-    On Linux the peak so far (of making the input) is forgotten first, and the peak is the
-    process's own: ``getrusage`` there starts from that of the process which started this one.
-    Elsewhere it is getrusage's, and a peak below that of making the input shows as 0.
+    On Linux, the earlier peak (from making the input) is reset, and the peak is the process's own.
+    There ``getrusage`` would start from that of the parent process. Elsewhere getrusage is used,
+    and a peak below that of making the input counts as 0.
     """
     gc.collect()
     if not _STATUS.exists():
@@ -71,10 +71,10 @@ def _rusage_peak_mb() -> float:
 
 
 def versions(*packages: str) -> dict[str, str]:
-    """Installed versions, Python's first."""
+    """Return installed versions, Python's first."""
     return {"Python": sys.version.split()[0], **{name: version(name) for name in packages}}
 
 
 def report(**figures: Any) -> None:
-    """Print a worker's figures for `bench.run`: the last line of its output."""
+    """Print a worker's results for `bench.run` as the last line of its output."""
     print(json.dumps(figures))

@@ -1,11 +1,11 @@
-"""A synthetic set as MOTChallenge text, in the layout that TrackEval and nvcore both read.
+"""Write a synthetic set as MOTChallenge text, in a layout that TrackEval and nvcore both read.
 
     python -m bench.mot_files SET.npz FOLDER
 
-One sequence a recording: ``gt/NAME/seqinfo.ini``, ``gt/NAME/gt/gt.txt`` (nine columns, class 1),
-``trackers/x/data/NAME.txt`` and ``trackers/y/data/NAME.txt`` (ten columns, with track id and
-score), and the list of sequences in ``seqmap.txt``. Frames, ids and pixels are 1-based; boxes have
-three decimals, scores six.
+There is one sequence per recording: ``gt/NAME/seqinfo.ini``, ``gt/NAME/gt/gt.txt`` (nine columns,
+class 1), ``trackers/x/data/NAME.txt`` and ``trackers/y/data/NAME.txt`` (ten columns, with track id
+and score), and the list of sequences in ``seqmap.txt``. Frames, ids and pixels are 1-based. Boxes
+have three decimals, scores six.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ BOX = "%d,%d,%.3f,%.3f,%.3f,%.3f,"
 
 
 def write_mot(boxes: BoxSet, folder: Path) -> None:
-    """Write truth and both systems below `folder`, which is made."""
+    """Write truth and both systems to `folder`, which is created."""
     names = [f"r{i:04d}" for i in range(len(boxes.lengths))]
     for name, length in zip(names, boxes.lengths.tolist(), strict=True):
         (folder / "gt" / name / "gt").mkdir(parents=True)
@@ -31,7 +31,7 @@ def write_mot(boxes: BoxSet, folder: Path) -> None:
             f"imWidth={WIDTH}\nimHeight={HEIGHT}\nimExt=.jpg\n"
         )
     (folder / "seqmap.txt").write_text("\n".join(["name", *names]) + "\n")
-    # column 7: truth counts; columns 8 and 9: a pedestrian, fully visible
+    # column 7: the box counts. Columns 8 and 9: a pedestrian, fully visible
     truth = [folder / "gt" / name / "gt" / "gt.txt" for name in names]
     _write(boxes.truth, boxes.lengths, truth, BOX + "%d,1,1")
     for system, source in zip(SYSTEMS, boxes.systems, strict=True):

@@ -1,11 +1,11 @@
-"""Opening a set of files: reading, placing, auditing and analysing, beside reading alone.
+"""Measure opening a set of files (reading, placing, auditing, analysing) against reading alone.
 
     python -m bench.opening FOLDER [--repeat 3] [--profile]
 
-FOLDER is what `bench.csv_files` wrote, CSV or Parquet. Reading alone is pyarrow reading the three
-files with its defaults, which may use all cores; it is timed before each opening, in the same
-process, so that the ratio of the two says something on a busy machine as well. Timed after a run on
-a small set, which loads the compiled functions. Peak memory is that of loading alone.
+FOLDER is an output of `bench.csv_files`, CSV or Parquet. Reading alone is pyarrow reading the three
+files with its defaults, which may use all cores. It is timed before each opening, in the same
+process, so that the ratio is meaningful on a busy machine as well. A run on a small set first loads
+the compiled functions. Peak memory is that of loading alone.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ STEPS = ("load", "audit", "analyse")
 
 
 def read_alone(folder: Path) -> float:
-    """Seconds that pyarrow needs to read the three files."""
+    """Return the seconds that pyarrow needs to read the three files."""
     start = perf_counter()
     for path in folder.glob("*.csv"):
         pyarrow.csv.read_csv(path)
@@ -44,7 +44,7 @@ def read_alone(folder: Path) -> float:
 
 
 def open_all(folder: Path) -> dict[str, float]:
-    """Seconds of each step from the session to the result, and kB a frame that loading takes."""
+    """Return the seconds of each step from session to result, and the kB per frame of loading."""
     session = read_session(folder / "session.toml")
     times = [perf_counter()]
     dataset, peak_mb = peak_beyond(lambda: load(session))

@@ -1,11 +1,11 @@
-"""One other tool on one set, in the tool's own environment.
+"""Run one other tool on one set, in the tool's own environment.
 
     python -m bench.others TOOL SET.npz [--repeat 3]
 
-Each scores both systems against the truth at one IoU, 0.5. Timed: what its user waits for once the
-files are parsed and the tool's own objects are made (COCO objects with their index; per-frame
-arrays). Making them is timed apart, as `prepare_s`. Where a tool can be told to do less (one
-area range, one limit of detections), it is.
+Each tool scores both systems against the truth at one IoU, 0.5. The time is what its user waits for
+after the files are parsed and the tool's own objects are made (COCO objects with their index,
+per-frame arrays). Making them is timed separately as `prepare_s`. If a tool can be told to do less
+(one area range, one limit of detections), it is.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Work = Callable[[], list[dict[str, float]]]
 
 
 def _coco_truth(boxes: BoxSet) -> dict[str, Any]:
-    """The truth as COCO's dictionary; image numbers are the frames' plus 1."""
+    """Return the truth as COCO's dictionary. Image numbers are the frames' plus 1."""
     g = boxes.truth
     corner = np.column_stack([g.x, g.y, g.w, g.h]).tolist()
     image = (g.frame_index + 1).tolist()
@@ -38,7 +38,7 @@ def _coco_truth(boxes: BoxSet) -> dict[str, Any]:
             for i in range(boxes.n_frames)
         ],
         "categories": [{"id": 1, "name": "person"}],
-        "annotations": [  # numbered from 1: 0 means "unmatched" to COCO tools
+        "annotations": [  # numbered from 1, because 0 means "unmatched" to COCO tools
             {"id": i + 1, "image_id": image[i], "category_id": 1, "bbox": box,
              "area": box[2] * box[3], "iscrowd": 0}
             for i, box in enumerate(corner)
@@ -86,7 +86,7 @@ def _ultrafast(boxes: BoxSet) -> Work:
 
 
 def _vernier(boxes: BoxSet) -> Work:
-    """With the four area ranges of COCO, which its `COCOeval` always evaluates."""
+    """Prepare Vernier with COCO's four area ranges, which its `COCOeval` always evaluates."""
     from pycocotools.coco import COCO
     from vernier import COCOeval
 
@@ -116,7 +116,7 @@ def _faster_coco_eval(boxes: BoxSet) -> Work:
 
 
 def _like_pycocotools(boxes: BoxSet, coco: Any, evaluator: Any) -> Work:
-    """The work of a package with classes like those of pycocotools, which can be kept quiet."""
+    """Prepare a package with classes like those of pycocotools, which can be silenced."""
     truth = coco(_coco_truth(boxes))
     results = [truth.loadRes(_coco_detections(s)) for s in boxes.systems]
 
@@ -137,7 +137,7 @@ def _like_pycocotools(boxes: BoxSet, coco: Any, evaluator: Any) -> Work:
 
 
 def _per_frame(boxes: BoxSet) -> list[list[tuple[np.ndarray, np.ndarray]]]:
-    """Of truth and systems, per frame: corners (n, 4) and track ids from 0 in each recording."""
+    """Return per-frame corners (n, 4) and per-recording track ids of truth and systems."""
     ends = np.cumsum(boxes.lengths)
     sources = []
     for source in (boxes.truth, *boxes.systems):
@@ -168,7 +168,7 @@ def _trackeval(boxes: BoxSet) -> Work:
             for first, last in zip(ends - boxes.lengths, ends, strict=True):
                 gt, dets = truth[first:last], system[first:last]
                 similarity = [
-                    _BaseDataset._calculate_box_ious(g, d)  # what its readers call
+                    _BaseDataset._calculate_box_ious(g, d)  # called by TrackEval's readers
                     for (g, _), (d, _) in zip(gt, dets, strict=True)
                 ]
                 recordings[str(first)] = metric.eval_sequence(
@@ -200,7 +200,7 @@ def _motmetrics(boxes: BoxSet) -> Work:
     def work() -> list[dict[str, float]]:
         figures = []
         for system in systems:
-            accumulators = []  # one a recording: a long one grows quadratically
+            accumulators = []  # one per recording, because a long one grows quadratically
             for first, last in zip(ends - boxes.lengths, ends, strict=True):
                 accumulator = motmetrics.MOTAccumulator(auto_id=True)
                 for (g, g_ids), (d, d_ids) in zip(

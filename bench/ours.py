@@ -1,9 +1,9 @@
-"""nvcore on one set: `analyse` for two systems, and what a change of each parameter costs.
+"""Measure nvcore on one set: `analyse` for two systems, and each change of a parameter.
 
     python -m bench.ours SET.npz [--repeat 5]
 
-Timed: from the dataset in memory to the result. Compiled functions are loaded before, by a run on
-a small set.
+The time is that from the dataset in memory to the result. A run on a small set first loads the
+compiled functions.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ CHANGES = {
     "threshold": lambda i: Params(threshold_x=0.3 + 0.02 * i, threshold_y=0.35 + 0.02 * i),
     "IoU": lambda i: Params(iou=0.3 + 0.03 * i),
 }
-"""New parameters of the i-th repetition; each starts from the result with the defaults."""
+"""New parameters of the i-th repetition. Each starts from the result with the defaults."""
 
 
 def to_dataset(boxes: BoxSet) -> Dataset:
@@ -54,7 +54,7 @@ def to_dataset(boxes: BoxSet) -> Dataset:
 
 
 def _checks(result: Result) -> dict[str, list[float]]:
-    """Figures that other tools give as well."""
+    """Return values that other tools compute as well."""
     systems = (result.x, result.y)
     return {
         "matched": [int(s.matched.sum()) for s in systems],
@@ -77,13 +77,13 @@ def main() -> None:
     dataset.frame_columns, dataset.truth  # noqa: B018  columns of the input, made once
 
     def analyse() -> Result:
-        dataset.derived.clear()  # nothing that the run before has found
+        dataset.derived.clear()  # discard the results of the previous run
         return compare(dataset)
 
     def judge(_: int) -> Verdict:
-        """From the dataset to the verdict: compare, audit, intervals, tests, companions."""
+        """Run everything from the dataset to the verdict."""
         result = analyse()
-        dataset.__dict__.pop("copies", None)  # found anew, too
+        dataset.__dict__.pop("copies", None)  # also recomputed
         evidence, companions = judge_both(result)
         return verdict(result, audit(dataset), evidence=evidence, companions=companions)
 

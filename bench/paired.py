@@ -1,10 +1,10 @@
-"""Ratios that hold on a busy machine: opening beside reading, nvcore beside evaluators of COCO.
+"""Measure ratios valid on a busy machine: opening to reading, nvcore to COCO evaluators.
 
     python -m bench.paired [--quick] [--only SECTION] [--rounds N] [--out FILE]
 
-What is compared runs one right after the other, round after round; each ratio is taken within a
-round, and the table has the median of the rounds. With ``--out`` it writes its sections of that
-page.
+Compared programs run one right after the other, round after round. Each ratio is taken within a
+round, and the table has the median of the rounds. With ``--out`` the sections of that page are
+written.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from bench.workers import ROOT, TOOLS_PYTHON, run_worker
 EVALUATORS = ("hotcoco", "ultrafast-pycocotools", "vernier", "faster-coco-eval")
 OURS = "nvcore analyse"
 SHAPES = {"our frames": (100_000, ()), "pictures as COCO's": (5_000, ("--coco",))}
-"""Sets that the evaluators run on: how many frames, and flags of `bench.sets`."""
+"""Number of frames and flags of `bench.sets` for each set on which the evaluators run."""
 MOST_CSV, MOST_PARQUET = 5, 1.7
-"""Targets for a million frames: opening CSV, and loading Parquet, over reading alone."""
+"""Targets for a million frames: opening CSV, and loading Parquet, relative to reading alone."""
 OPENING = """\
 ## Opening files
 
@@ -54,7 +54,7 @@ the machine when it began: {load:.1f}.
 
 
 def opening_section(n_frames: int, rounds: int) -> str:
-    """Opening beside pyarrow reading the files."""
+    """Return the section on opening against pyarrow reading the files."""
     load = os.getloadavg()[0]
     steps = ("pyarrow", "load", "audit", "analyse")
     rows = []
@@ -82,7 +82,7 @@ def opening_section(n_frames: int, rounds: int) -> str:
 
 
 def evaluators_section(sizes: dict[str, int], rounds: int, repeat: int) -> str:
-    """nvcore and the evaluators of COCO on each set."""
+    """Return the section on nvcore and COCO evaluators on each set."""
     load = os.getloadavg()[0]
     rows = []
     with tempfile.TemporaryDirectory() as folder:
@@ -97,7 +97,7 @@ def evaluators_section(sizes: dict[str, int], rounds: int, repeat: int) -> str:
 
 
 def _round(path: Path, repeat: int) -> dict[str, dict[str, Any]]:
-    """Figures of every tool, one after the other."""
+    """Return the results of every tool, run one after the other."""
     times = ("--repeat", str(repeat))
     ours = run_worker(Path(sys.executable), "bench.ours", str(path), "--only-analyse", *times)
     figures = {OURS: ours}

@@ -1,12 +1,12 @@
-"""Does a plan keep its promise? Of fresh studies of the planned size, how many show the difference?
+"""Check the power of planned studies: how many fresh studies of that size find the difference.
 
     python -m bench.plans --keep ROWS.jsonl [--studies 1000] [--processes 2] [--write]
 
-Plans a study of the primary measure with 80 % power, from a pilot of 1,000 recordings that
-`bench.claims` draws and the true difference, known from 20,000 more; then draws fresh studies of
-that size, and counts those whose verdict claims the measure for the better system. And the same of
-the sample: a plan for its difference as found, and studies that draw its ten recordings with
-replacement, as the plan supposes. Rows are kept as in `bench.claims`.
+The module plans a study of the primary measure with 80 % power, from a pilot of 1,000 recordings by
+`bench.claims` and the true difference, known from 20,000 more. Then it draws fresh studies of that
+size, and counts those whose verdict claims the measure for the better system. The same is done for
+the sample: a plan for its observed difference, and studies that draw its ten recordings with
+replacement, as the plan assumes. Rows are kept as in `bench.claims`.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ CHUNK: Final = 10
 
 
 def two_thresholds(rng: np.random.Generator, n: int) -> Systems:
-    """Y misses half as much as X; both are the same in every study, also in their thresholds."""
+    """Draw Y with half as many misses as X, each with the same threshold in all studies."""
     x, y = fewer_misses(1 / 2)(rng, n)
     return replace(x, threshold=0.1), replace(y, threshold=0.35)
 
@@ -81,7 +81,7 @@ def sample() -> Dataset:
 
 @cache
 def planned(name: str) -> tuple[int, str]:
-    """Recordings of the study that a plan asks for, and the better system."""
+    """Return the number of recordings that a plan asks for, and the better system."""
 
     def drawn(n: int, number: int) -> Any:
         rng = np.random.default_rng([SEED, sorted(PLANS).index(name), number])
@@ -97,14 +97,14 @@ def planned(name: str) -> tuple[int, str]:
 
 
 def draw_study(name: str, n: int, rng: np.random.Generator) -> Dataset:
-    """A fresh study of n recordings."""
+    """Draw a fresh study of n recordings."""
     if name != SAMPLE:
         return draw_dataset(SYSTEMS[name], n, rng)
     return draw_recordings(sample(), rng.integers(0, len(sample().recordings), n))
 
 
 def draw_recordings(dataset: Dataset, drawn: np.ndarray) -> Dataset:
-    """The dataset of these recordings (rows, repeatedly), each a unit of its own."""
+    """Return the dataset of these recordings (rows, with repetition), each its own unit."""
     frames, boxes = dataset.frame_columns, dataset.boxes
     place = boxes["frame_index"].to_numpy()
     order = np.argsort(frames.recording[place], kind="stable")
@@ -123,7 +123,7 @@ def draw_recordings(dataset: Dataset, drawn: np.ndarray) -> Dataset:
 
 
 def make_rows(task: tuple[str, int, int]) -> list[dict[str, Any]]:
-    """What the verdicts of studies show: those from first to before end."""
+    """Return the outcomes of a range of studies."""
     name, first, end = task
     n, better = planned(name)
     rows = []
@@ -136,7 +136,7 @@ def make_rows(task: tuple[str, int, int]) -> list[dict[str, Any]]:
 
 
 def table_text(rows: Iterable[Mapping[str, Any]]) -> str:
-    """The table for docs/significance.md."""
+    """Return the table for docs/significance.md."""
     shown = defaultdict(list)
     for row in rows:
         shown[row["plan"], row["n"]].append(row["is_shown"])
@@ -164,7 +164,7 @@ def main() -> None:
         for first in range(0, options.studies, CHUNK)
         if (name, first) not in done
     ]
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # of the new processes: they share the processors
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # for the child processes, which share the processors
     with (
         options.keep.open("a", encoding="utf-8") as file,
         ProcessPoolExecutor(options.processes, get_context("spawn")) as pool,

@@ -35,14 +35,14 @@ BESIDE = (
     ("TrackEval CLEAR", "bench.others", TOOLS_PYTHON),
     ("motmetrics", "bench.others", MOTMETRICS_PYTHON),
 )
-"""Name, module and interpreter of what runs beside ours."""
+"""Name, module and interpreter of the tools that run beside ours."""
 
 FROM_FILES = (
     ("nvcore, from files", "bench.from_files", Path(sys.executable)),
     ("TrackEval Evaluator, from files", "bench.from_files", TOOLS_PYTHON),
     ("TrackEval preprocessing + CLEAR", "bench.from_files", TOOLS_PYTHON),
 )
-"""The same for what starts from the set as MOTChallenge files."""
+"""Same for tools that start from the set as MOTChallenge files."""
 
 
 def main() -> None:

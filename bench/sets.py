@@ -1,13 +1,13 @@
-"""Synthetic sets: 4 truth boxes and about 4 + 4 detections a frame, the same bytes every time.
+"""Synthetic sets: 4 truth boxes and about 4 + 4 detections per frame, with reproducible bytes.
 
-Four lanes of pedestrians follow one another through each recording, so that every frame has
-exactly four. A system sees a pedestrian late, drops it now and then, misses single frames, and
-raises false alarms that stay for a while: tracks, misses and false alarms have plausible lengths.
+Four lanes of pedestrians follow one another through each recording, so that every frame has exactly
+four. A system sees a pedestrian late, drops it now and then, misses single frames, and raises false
+alarms that stay for a while. Tracks, misses and false alarms have plausible lengths.
 
     python -m bench.sets N SET.npz [--coco]
 
-The arrays are all that this module makes, so that other tools' environments can read it too (it
-imports numpy only); `bench.ours` makes the dataset of them.
+This module makes only arrays and imports only numpy, so that other tools' environments can read
+them. `bench.ours` converts them to a dataset.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ COLUMNS = ("x", "y", "w", "h", "score", "track", "frame_index")
 
 @dataclass(frozen=True)
 class Boxes:
-    """Boxes of one source, sorted by frame; px, 0-based.
+    """Boxes of one source, sorted by frame, in px, 0-based.
 
-    A detection has its pedestrian's track, a false alarm one of its own, as a tracker without
-    mistakes would give: tools that score trackers need one.
+    A detection has its pedestrian's track, a false alarm its own, as from a perfect tracker. Tools
+    that score trackers need one.
     """
 
     x: np.ndarray
@@ -50,7 +50,7 @@ class Boxes:
         return len(self.x)
 
     def offsets(self, n_frames: int) -> np.ndarray:
-        """``offsets[f]:offsets[f + 1]`` are the boxes of frame f."""
+        """Return offsets such that the boxes of frame f are ``offsets[f]:offsets[f + 1]``."""
         counts = np.bincount(self.frame_index, minlength=n_frames)
         return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 
@@ -65,7 +65,7 @@ class BoxSet:
 
     @property
     def lengths(self) -> np.ndarray:
-        """Frames of each recording."""
+        """Return the number of frames of each recording."""
         return recording_lengths(self.n_frames)
 
 
@@ -75,10 +75,10 @@ def recording_lengths(n_frames: int) -> np.ndarray:
 
 
 def make_set(n_frames: int) -> BoxSet:
-    """The set of `n_frames` frames; fixed seed."""
+    """Return the set of `n_frames` frames, with a fixed seed."""
     rng = np.random.default_rng([SEED, n_frames])
     truth, lane_track, age = draw_walkers(recording_lengths(n_frames), rng)
-    # X sees far and raises more false alarms; Y starts late and drops more
+    # X sees far and raises more false alarms, Y starts late and drops more
     x = draw_detections(truth, lane_track, age, rng, late=3.0, drop=0.06, clutter=0.42)
     y = draw_detections(truth, lane_track, age, rng, late=9.0, drop=0.08, clutter=0.50)
     return BoxSet(n_frames, truth, (x, y))
@@ -87,7 +87,7 @@ def make_set(n_frames: int) -> BoxSet:
 def draw_walkers(
     lengths: np.ndarray, rng: np.random.Generator
 ) -> tuple[Boxes, np.ndarray, np.ndarray]:
-    """Truth, and of every box its track's number over all recordings and its age in frames.
+    """Draw the truth, and the overall track number and the age in frames of every box.
 
     `lengths` are the frames of each recording.
     """
@@ -95,7 +95,7 @@ def draw_walkers(
     frame = np.arange(n_frames)
     starts = rng.random((n_frames, LANES)) < 1 / MEAN_TRACK
     starts[np.cumsum(lengths) - lengths] = True
-    by_lane = starts.T  # numbered lane by lane: the tracks of one lane follow one another
+    by_lane = starts.T  # numbered lane by lane, because the tracks of one lane follow one another
     number = np.cumsum(by_lane.ravel()).reshape(LANES, n_frames).T - 1
     first = np.flatnonzero(by_lane.ravel()) % n_frames
     age = (frame[:, None] - first[number]).ravel()
@@ -132,10 +132,10 @@ def draw_detections(
     drop: float,
     clutter: float,
 ) -> Boxes:
-    """Detections of one system: what it sees of the truth, and false alarms.
+    """Draw detections of one system: seen pedestrians, and false alarms.
 
-    `late` is the mean onset in frames, `drop` the share of spells of 8 frames that are lost,
-    `clutter` the mean number of false alarms a frame.
+    `late` is the mean onset in frames, `drop` the share of lost spells of 8 frames, `clutter` the
+    mean number of false alarms per frame.
     """
     n_frames = int(truth.frame_index[-1]) + 1
     onset = rng.exponential(late, number.max() + 1)[number]
@@ -173,9 +173,9 @@ def draw_detections(
 
 
 def make_coco_shaped(n_images: int) -> BoxSet:
-    """Pictures as those of COCO: few pedestrians each, and 100 detections with mostly low scores.
+    """Draw pictures like COCO's: few pedestrians, and 100 detections with mostly low scores.
 
-    Pictures do not follow one another, so nobody is seen twice.
+    Pictures are unrelated, so nobody is seen twice.
     """
     rng = np.random.default_rng([SEED, n_images, 2])
     n_truth = rng.poisson(7, n_images)
@@ -208,7 +208,7 @@ def make_coco_shaped(n_images: int) -> BoxSet:
 
 
 def _scattered(frame: np.ndarray, rng: np.random.Generator) -> Boxes:
-    """Boxes anywhere in their pictures, most of them small."""
+    """Draw boxes anywhere in their pictures, most of them small."""
     n = len(frame)
     h = np.exp(rng.uniform(np.log(15), np.log(300), n))
     w = h * rng.uniform(0.3, 0.6, n)
@@ -232,7 +232,7 @@ def save_set(boxes: BoxSet, path: Path) -> None:
 
 
 def load_set(path: Path) -> BoxSet:
-    """Read what `save_set` wrote."""
+    """Read a file of `save_set`."""
     with np.load(path) as file:
         truth, x, y = (Boxes(*(file[f"{prefix}_{name}"] for name in COLUMNS)) for prefix in "gxy")
         return BoxSet(int(file["n_frames"]), truth, (x, y))

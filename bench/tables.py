@@ -1,4 +1,4 @@
-"""The figures of `bench.run` as the text of docs/benchmarks.md."""
+"""Text of docs/benchmarks.md from the results of `bench.run`."""
 
 from __future__ import annotations
 
@@ -55,18 +55,18 @@ MOST_RATIOS = {
     "change of threshold": 0.7,
     "change of IoU": 0.7,
 }
-"""Targets for 1M frames: their time over that of `analyse`."""
+"""Targets for 1M frames: their time relative to that of `analyse`."""
 MOST_TO_VERDICT = 3
-"""Target for the time to the verdict, over that of `analyse`."""
+"""Target for the time to the verdict, relative to that of `analyse`."""
 PEAK_MB = 1_500
-"""Target for 1M frames."""
+"""Target for peak memory at 1M frames."""
 LEAST_RATIOS = {
     "numpy loop": 70,
     "TrackEval preprocessing + CLEAR": 100,
     "faster-coco-eval": 20,
     "hotcoco compare": 1,
 }
-"""Targets for 100k frames: their time over that of `analyse`."""
+"""Targets for 100k frames: their time relative to that of `analyse`."""
 OURS_FROM_FILES = "nvcore, from files"
 CALLS_S = {
     "libraries": ("`import numba, pandas, pyarrow, scipy.stats`, for comparison", math.inf),
@@ -74,16 +74,16 @@ CALLS_S = {
     "second": ("second `nvcore compare` of the sample", 2),
     "import": ("`from nvcore import compare`", 1.2),
 }
-"""What starts a process of its own, and its target: seconds of the processor."""
+"""Commands that start a process, with targets in processor seconds."""
 
 
 def seconds_text(seconds: float) -> str:
-    """Three digits in the fitting unit."""
+    """Format seconds with three digits in a suitable unit."""
     return f"{seconds * 1e3:.3g} ms" if seconds < 0.9995 else f"{seconds:.3g} s"
 
 
 def growth_exponent(sizes: Sequence[int], seconds: Sequence[float]) -> float:
-    """Slope of log time over log size, by least squares: 1 is linear; NaN below two sizes."""
+    """Fit the slope of log time over log size. 1 is linear, NaN below two sizes."""
     if len(sizes) < 2:
         return math.nan
     x, y = [math.log(n) for n in sizes], [math.log(s) for s in seconds]
@@ -93,7 +93,7 @@ def growth_exponent(sizes: Sequence[int], seconds: Sequence[float]) -> float:
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A Markdown table, padded so that it reads well in a terminal; the first column is text."""
+    """Return a Markdown table, padded for reading in a terminal. The first column is text."""
     widths = [max(len(row[i]) for row in (head, *rows)) for i in range(len(head))]
 
     def line(cells: Sequence[str]) -> str:
@@ -113,17 +113,17 @@ def write_tables(
     others_at: int,
     command_line: dict[str, list[float] | str],
 ) -> str:
-    """The whole page.
+    """Return the whole page.
 
     Parameters
     ----------
     ours
-        By number of frames, what `bench.ours` reports.
+        Reports of `bench.ours` by number of frames.
     beside
-        By name, what `bench.baselines` and `bench.others` report at `others_at` frames, or
+        Reports of `bench.baselines` and `bench.others` at `others_at` frames by name, or
         ``{"failed": why}``.
     command_line
-        What `measure_command_line` returns.
+        Result of `measure_command_line`.
     """
     parts = [
         "# Benchmarks",
@@ -165,7 +165,7 @@ def _machine(ours: dict[int, dict[str, Any]], beside: dict[str, dict[str, Any]])
 
 
 def commit(root: Path) -> str:
-    """Of a checkout, short; "unknown" without git."""
+    """Return the short description of a checkout's commit, or "unknown" without git."""
     git = ["git", "-C", str(root), "describe", "--always", "--dirty", "--exclude=*"]
     return subprocess.run(git, capture_output=True, text=True, check=False).stdout.strip() or (
         "unknown"
@@ -231,7 +231,7 @@ def _targets_table(
     def row(what: str, target: str, result: str, is_met: bool) -> None:
         rows.append([what, target, result, "yes" if is_met else "no"])
 
-    million = ours.get(1_000_000)  # the targets say how many frames; other sizes prove nothing
+    million = ours.get(1_000_000)  # targets are for this number of frames
     if million:
         for what, most in MOST_RATIOS.items():
             ratio = median(million["seconds"][what]) / median(million["seconds"]["analyse"])
@@ -299,7 +299,7 @@ def _beside_table(ours: dict[str, Any], beside: dict[str, dict[str, Any]]) -> st
 
 
 def _agreement(check: dict[str, list[float]], figures: dict[str, Any]) -> str:
-    """How a tool's figures compare with ours, both systems in one sentence."""
+    """Describe in one sentence how a tool's results for both systems compare with ours."""
     if "agreement" in figures:
         return str(figures["agreement"])
     theirs = figures["check"]
@@ -307,7 +307,7 @@ def _agreement(check: dict[str, list[float]], figures: dict[str, Any]) -> str:
         off = max(abs(t["recall"] - r) for t, r in zip(theirs, check["recall"], strict=True))
         return "same recall" if off < 1e-9 else f"recall differs by {off:.1e}"
     off = max(abs(t["matched"] - m) / m for t, m in zip(theirs, check["matched"], strict=True))
-    # they assign optimally and keep tracks together; ours is greedy by score
+    # they assign optimally and keep tracks together, ours is greedy by score
     matches = "same matches" if not off else f"matches within {math.ceil(off * 1e4) / 100:.2g} %"
     if "n_det" not in theirs[0]:
         return matches

@@ -1,4 +1,4 @@
-"""Workers: measurements in processes of their own, in the environment that each needs."""
+"""Workers: measurements in separate processes, each in its own environment."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TOOLS_PYTHON = ROOT / ".venv-bench" / "tools" / "bin" / "python"
 
 
 def run_worker(python: Path, *arguments: str) -> dict[str, Any]:
-    """Figures of one worker: the last line that it prints; ``{"failed": why}`` if it fails."""
+    """Run a worker and return the JSON of its last line, or ``{"failed": why}`` if it fails."""
     if not python.exists():
         return {"failed": "not installed; `make bench` installs it"}
     process = subprocess.run(

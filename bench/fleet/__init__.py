@@ -1,1 +1,1 @@
-"""The fleet at size: a generator, what each step costs, and what that means at 10^11 frames."""
+"""Benchmark of large fleets: generator, cost of each step, projections to 10^11 frames."""

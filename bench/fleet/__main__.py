@@ -1,10 +1,10 @@
-"""What a fleet costs: ingest, scan, finishing, questions; and, simulated, what larger ones would.
+"""Measure the cost of fleets: ingest, scan, finishing, queries. Simulate that of larger ones.
 
     python -m bench.fleet [--frames 1e5 1e6 1e7] [--keep FOLDER] [--out docs]
 
-Each step runs in a fresh process, one after the other, on the fleet of `bench.fleet.generate`; a
-scan's worker processes are looked at from outside. Figures go to FOLDER/costs.json, too, of which
-`bench.fleet.pages` makes the sections again. 10^7 frames take 8 GB of disk.
+Each step runs in a fresh process, one after the other, on the fleet of `bench.fleet.generate`. A
+scan's worker processes are observed from outside. Results are also written to FOLDER/costs.json,
+from which `bench.fleet.pages` can rebuild the sections. 10^7 frames take 8 GB of disk.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ QUESTION: Final = "tag.night and tag.road = 'rural'"
 
 
 def clocked(work: Callable[[], Any]) -> tuple[Any, float, float]:
-    """Result, seconds by the clock, and of the processor by this process and those that ended."""
+    """Return the result, wall-clock seconds, and processor seconds including ended children."""
     start, used = perf_counter(), _processor_s()
     result = work()
     return result, perf_counter() - start, _processor_s() - used
@@ -45,7 +45,7 @@ def _processor_s() -> float:
 
 
 class Watch:
-    """Peak memory, MB, of each worker process, looked at every tenth of a second."""
+    """Peak memory, MB, of each worker process, sampled every tenth of a second."""
 
     def __enter__(self) -> Watch:
         self._seen: dict[int, list[float]] = {}
@@ -64,7 +64,7 @@ class Watch:
 
     @property
     def grown_mb(self) -> float:
-        """By how much the peak of any of them has grown in the second half of its life."""
+        """Return the maximum growth of a worker's peak in the second half of its life."""
         return max(peaks[-1] - peaks[len(peaks) // 2] for peaks in self._seen.values())
 
     def _look(self) -> None:
@@ -73,7 +73,7 @@ class Watch:
             for pid in [int(pid) for task in tasks for pid in task.read_text().split()]:
                 try:
                     status = Path(f"/proc/{pid}/status").read_text()
-                except OSError:  # it has just ended
+                except OSError:  # the process has just ended
                     continue
                 lines = [line for line in status.splitlines() if line.startswith("VmHWM")]
                 if lines:
@@ -82,7 +82,7 @@ class Watch:
 
 
 def ingest(store: str, n_frames: int) -> dict[str, Any]:
-    """Append the fleet; drawing it does not count."""
+    """Append the fleet to a store. Drawing it is not included in the time."""
     from bench.fleet.generate import draw_part, parts_of
     from nvcore.fleet.ingest import ingest_all
     from nvcore.fleet.store import Store
@@ -107,7 +107,7 @@ def ingest(store: str, n_frames: int) -> dict[str, Any]:
 
 
 def from_csv(folder: str, n_frames: int) -> dict[str, Any]:
-    """Ingest of CSV files with a session each."""
+    """Ingest CSV files with a session each."""
     from bench.csv_files import write_csv
     from bench.sets import make_set
     from nvcore.fleet.calls import ingest as run
@@ -124,7 +124,7 @@ def from_csv(folder: str, n_frames: int) -> dict[str, Any]:
 
 
 def scan(store: str, out: str, workers: int) -> dict[str, Any]:
-    """A scan by so many processes, and what its parts take."""
+    """Run a scan with a number of processes, and return the cost of its parts."""
     from nvcore.fleet.folder import begin, finish
     from nvcore.fleet.location import Location
     from nvcore.fleet.results import ScanParams
@@ -168,7 +168,7 @@ def scan(store: str, out: str, workers: int) -> dict[str, Any]:
 
 
 def names(folder: str, recordings: int) -> dict[str, Any]:
-    """A store with nothing but names of recordings."""
+    """Create a store that holds nothing but names of recordings."""
     import numpy as np
     import pandas as pd
 
@@ -186,7 +186,7 @@ def names(folder: str, recordings: int) -> dict[str, Any]:
 
 
 def metadata(folder: str) -> dict[str, Any]:
-    """What recordings take before the first is compared."""
+    """Measure the cost per recording before the first one is compared."""
     from nvcore.fleet.folder import begin
     from nvcore.fleet.location import Location
     from nvcore.fleet.results import ScanParams
@@ -217,7 +217,7 @@ def metadata(folder: str) -> dict[str, Any]:
 
 
 def top(out: str) -> dict[str, Any]:
-    """The question that opens the worst moments."""
+    """Run the query that opens the worst moments."""
     from nvcore.fleet.location import Location
     from nvcore.fleet.query import worst
 
@@ -240,9 +240,9 @@ STEPS: Final[dict[str, Callable[..., dict[str, Any]]]] = {
 
 
 def measured(step: str, **arguments: Any) -> dict[str, Any]:
-    """Figures of a step, in a process of its own."""
+    """Return the results of a step, run in its own process."""
     print(f"{step} {arguments} ...", file=sys.stderr)
-    os.sync()  # what steps before it have written is none of its work
+    os.sync()  # writes of earlier steps must not count
     python = Path(sys.executable)
     figures = run_worker(python, "bench.fleet", "--step", step, json.dumps(arguments))
     if "failed" in figures:
@@ -252,7 +252,7 @@ def measured(step: str, **arguments: Any) -> dict[str, Any]:
 
 
 def measure_names(folder: str) -> dict[str, Any]:
-    """What names take: the memory is that of more of them, without what every process takes."""
+    """Measure the cost of names. The memory excludes the constant part of every process."""
     few, many = 5_000, 20_000
     for n in (few, many):
         measured("names", folder=f"{folder}/{n}", recordings=n)
@@ -261,7 +261,7 @@ def measure_names(folder: str) -> dict[str, Any]:
 
 
 def measure_size(n_frames: int, folder: Path) -> dict[str, Any]:
-    """All steps at one size."""
+    """Measure all steps at one size."""
     store = str(folder / "store")
     costs = {"ingest": measured("ingest", store=store, n_frames=n_frames)}
     for n in (1, 2):

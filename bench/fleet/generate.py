@@ -1,10 +1,10 @@
-"""A synthetic fleet of any size in a store, the same every time; larger ones begin with smaller.
+"""Generate a reproducible synthetic fleet of any size. Larger fleets begin with the smaller ones.
 
     python -m bench.fleet.generate FRAMES STORE [--processes 2]
 
-Boxes as those of `bench.sets`, in recordings of 1,000 to 3,000 frames. Eight recordings
-each are one car's by day or night: by night its NIR (Y) sees pedestrians later and loses them more
-often, its FIR (X) does not mind. Parts are appended as `nvcore ingest` appends sessions.
+Boxes are those of `bench.sets`, in recordings of 1,000 to 3,000 frames. Eight recordings each
+belong to one car by day or night. At night its NIR (Y) sees pedestrians later and loses them more
+often, while its FIR (X) is unaffected. Parts are appended as `nvcore ingest` appends sessions.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ CARS: Final = 40
 
 
 def draw_part(part: int) -> Dataset:
-    """Recordings of one car: some 16,000 frames."""
+    """Draw the recordings of one car, about 16,000 frames."""
     rng = np.random.default_rng([SEED, 37, part])
     lengths = rng.integers(1_000, 3_001, RECORDINGS_PER_PART)
     is_night = rng.random() < 0.4
@@ -66,17 +66,17 @@ def draw_part(part: int) -> Dataset:
     boxes = pd.DataFrame(
         {name: np.concatenate([getattr(source, name) for source in sources]) for name in COLUMNS}
     )
-    boxes[["x", "y", "w", "h"]] = boxes[["x", "y", "w", "h"]].round(2)  # as files have them
+    boxes[["x", "y", "w", "h"]] = boxes[["x", "y", "w", "h"]].round(2)  # the precision of files
     boxes["score"] = boxes["score"].round(3)
     boxes["source"] = np.repeat([0, 1, 2], [len(source) for source in sources])
     boxes.loc[boxes["source"] == 0, "score"] = np.nan
-    boxes.loc[boxes["source"] > 0, "track"] = -1  # a detector knows of no tracks
+    boxes.loc[boxes["source"] > 0, "track"] = -1  # a detector has no tracks
     frames = [np.arange(length) for length in lengths]
     return dataset_from_tables(recordings, frames, boxes, ["FIR", "NIR"], fingerprint=str(part))
 
 
 def parts_of(n_frames: int) -> Iterator[int]:
-    """Numbers of the parts of a fleet with at least so many frames."""
+    """Yield the part numbers of a fleet with at least this many frames."""
     n, part = 0, 0
     while n < n_frames:
         rng = np.random.default_rng([SEED, 37, part])
@@ -86,7 +86,7 @@ def parts_of(n_frames: int) -> Iterator[int]:
 
 
 def fill(uri: str, parts: list[int]) -> int:
-    """Append parts to a store; frames of them."""
+    """Append parts to a store and return their number of frames."""
     n = 0
 
     def drawn(part: int) -> Dataset:

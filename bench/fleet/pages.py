@@ -1,4 +1,4 @@
-"""The sections of docs/benchmarks.md and docs/scale.md from what `bench.fleet` has measured.
+"""Write the sections of docs/benchmarks.md and docs/scale.md from results of `bench.fleet`.
 
 python -m bench.fleet.pages COSTS.json [--out docs]
 """
@@ -35,7 +35,7 @@ Bytes a frame: {stored:.0f} in the store, {results:.1f} of results. Peak memory 
 (target: less than 1,000 MB, steady). Two workers are {speedup:.2f} times as fast as one.
 """
 LEAST_BATCHES: Final = 4
-"""Of the largest size, from which larger ones are simulated."""
+"""Minimum number of batches at the largest size for simulating larger ones."""
 NAMES: Final = {
     "scan, 1": "scan, 1 worker",
     "scan, 2": "scan, 2 workers",
@@ -47,7 +47,7 @@ PARTS: Final = {
     "last worker": "tail",
     "finishing": "finish",
 }
-"""Columns of the simulation, and what `simulate` calls them."""
+"""Columns of the simulation by the names that `simulate` uses."""
 SIMULATED: Final = """\
 ## Simulated
 
@@ -72,18 +72,18 @@ machine, two workers: {middle:.1f} minutes ({low:.1f} to {high:.1f}) from the st
 by the model, {corrected:.1f} if it is as far off as at the largest size (target: 10).
 """
 MOST_MEMORY: Final = 4e9
-"""Bytes of names beyond which a worker cannot run."""
+"""Maximum memory for names in a worker, bytes."""
 SETTINGS: Final[tuple[tuple[str, Storage, dict[str, int]], ...]] = (
     ("ten times the storage's bandwidth", Storage(total=125e9), {}),
     ("batches four times as large", Storage(), {"times": 4}),
     ("no slow machines", Storage(slow=0.0), {}),
     ("divided into 100 stores", Storage(), {"stores": 100}),
 )
-"""What is changed at a thousand workers."""
+"""Variants to simulate at a thousand workers."""
 
 
 def measured_section(known: dict[str, Any]) -> str:
-    """The section of docs/benchmarks.md."""
+    """Return the section of docs/benchmarks.md."""
     sizes = [known["sizes"][n] for n in sorted(known["sizes"], key=int)]
     n_frames = [of["ingest"]["frames"] for of in sizes]
     scans = {name: [of[name] for of in sizes] for name in sizes[0] if "scan" in name}
@@ -113,7 +113,7 @@ def measured_section(known: dict[str, Any]) -> str:
 
 
 def _steps(name: str, n_frames: list[int], steps: list[dict[str, Any]]) -> list[str]:
-    """A row: time at each size, growth, and the rate of a core at the largest."""
+    """Return a row: time at each size, growth, and rate per core at the largest size."""
     growth = growth_exponent(n_frames, [of["s"] for of in steps])
     rate = f"{n_frames[-1] / steps[-1]['cpu_s']:,.0f}" if "cpu_s" in steps[-1] else ""
     times = [seconds_text(of["s"]) for of in steps]
@@ -121,7 +121,7 @@ def _steps(name: str, n_frames: list[int], steps: list[dict[str, Any]]) -> list[
 
 
 def simulated_section(known: dict[str, Any]) -> str:
-    """The section of docs/scale.md."""
+    """Return the section of docs/scale.md."""
     costs, cloud, rows = costs_of(known), Storage(), []
     for n_frames in (1e9, 1e11):
         for workers in (10, 100, 1_000):
@@ -171,7 +171,7 @@ def _row(
 
 
 def write_pages(known: dict[str, Any], docs: Path | None) -> None:
-    """Print both sections, and put them into the pages of that folder."""
+    """Print both sections, and write them into the pages of that folder."""
     sections = {"benchmarks.md": measured_section(known)}
     largest = known["sizes"][max(known["sizes"], key=int)]
     if largest["scan, 1"]["batches"] >= LEAST_BATCHES:

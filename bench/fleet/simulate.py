@@ -1,8 +1,8 @@
-"""What a scan takes at sizes that nobody measures here: a simulation from measured costs.
+"""Simulate the time of large scans from measured costs.
 
-Workers take one batch after the other: they read it from a storage that all share, compare it for
-as long as a batch drawn from those that were measured took, and write its results; then one process
-finishes. Costs of programs are measured (`bench.fleet`), those of storage and machines assumed.
+Workers process one batch after the other: they read it from shared storage, compare it for as long
+as a random measured batch took, and write its results. Then one process finishes. Costs of programs
+are measured (`bench.fleet`), those of storage and machines are assumed.
 """
 
 from __future__ import annotations
@@ -20,18 +20,19 @@ SEED: Final = 37
 
 @dataclass(frozen=True)
 class Storage:
-    """What is assumed of the storage and of machines: of an object store in a cloud.
+    """Assumptions about storage and machines: a cloud object store.
 
     Attributes
     ----------
     total, each
-        Bytes a second of all workers together, and of one.
+        Bandwidth in bytes per second, of all workers together and of one.
     request_s
-        Until a request is answered.
+        Latency of a request.
     requests
-        Of a worker for one batch: lease, files of the store, results, what is done.
+        Requests of a worker per batch: lease, files of the store, results, list of finished
+        batches.
     slow, times
-        Share of batches whose machine is slow, and by how much.
+        Share of batches on a slow machine, and its slowdown factor.
     """
 
     total: float = 12.5e9
@@ -43,27 +44,27 @@ class Storage:
 
 
 LOCAL: Final = Storage(np.inf, np.inf, 0.0, 0, 0.0, 1.0)
-"""The disk of the measurement, which the time of a batch has in it."""
+"""The disk of the measurement, whose cost is included in the time of a batch."""
 
 
 @dataclass(frozen=True)
 class Costs:
-    """Measured: seconds of batches, of a worker's start, of what is once."""
+    """Measured costs: seconds per batch, per worker start, and once."""
 
-    frame_s: np.ndarray  # a frame, of each batch
-    batch: float  # frames, on average
+    frame_s: np.ndarray  # per frame, of each batch
+    batch: float  # frames on average
     start_s: float
-    read: float  # bytes a frame
+    read: float  # bytes per frame
     written: float
-    plan_s: float  # by the recording, once
-    open_s: float  # by the recording, of each worker
-    plan_bytes: float  # by the recording
-    memory: float  # of a worker, bytes by the recording
-    finish_s: tuple[float, float]  # by the batch, and at all; once
+    plan_s: float  # per recording, once
+    open_s: float  # per recording and worker
+    plan_bytes: float  # per recording
+    memory: float  # of a worker, bytes per recording
+    finish_s: tuple[float, float]  # per batch, and constant; once
 
 
 def costs_of(known: dict[str, Any]) -> Costs:
-    """From what `bench.fleet` has measured: the largest size with one worker, and the metadata."""
+    """Derive costs from results of `bench.fleet`: largest size with one worker, and metadata."""
     largest = known["sizes"][max(known["sizes"], key=int)]
     scan, ingest, metadata = largest["scan, 1"], largest["ingest"], known["metadata"]
     at, n_frames = np.array(scan["done_at_s"]).T
@@ -82,7 +83,7 @@ def costs_of(known: dict[str, Any]) -> Costs:
 
 
 def _finishing(scans: Sequence[dict[str, Any]]) -> tuple[float, float]:
-    """Seconds of finishing by the batch, and at all: the line through those measured."""
+    """Fit a line to seconds of finishing: per batch, and constant."""
     n, seconds = ([of[name] for of in scans] for name in ("batches", "finish_s"))
     if len(scans) == 1:
         return seconds[0] / n[0], 0.0
@@ -100,15 +101,15 @@ def simulate(
     times: float = 1.0,
     stores: int = 1,
 ) -> dict[str, float]:
-    """Seconds from the store to the summary, and of what they consist.
+    """Simulate the seconds from the store to the summary, with their parts.
 
     Parameters
     ----------
     times
-        How much larger batches are than those that were measured.
+        Batch size relative to the measured ones.
     stores
-        Into how many stores the fleet is divided, each with its scan and its share of the workers;
-        joining their results is not in it.
+        Number of stores into which the fleet is divided, each with its own scan and share of the
+        workers. Joining their results is not included.
     """
     n_frames, workers = n_frames / stores, max(workers // stores, 1)
     n = max(round(n_frames / (times * costs.batch)), 1)
@@ -117,12 +118,14 @@ def simulate(
     took = took * np.where(rng.random(n) < storage.slow, storage.times, 1.0)
     took += storage.requests * storage.request_s
     plan_s = costs.plan_s * recordings
-    pages_s = n / 1000 * storage.request_s  # names of what is done come a thousand at a time
+    pages_s = (
+        n / 1000 * storage.request_s
+    )  # listings of finished batches return a thousand names at a time
     open_s = costs.open_s * recordings + costs.plan_bytes * recordings / storage.each + 4 * pages_s
     ready = plan_s + costs.start_s + open_s
     free = [ready] * workers
     size, storage_at, waited = (costs.read + costs.written) * n_frames / n, 0.0, 0.0
-    for seconds in took:  # a batch goes to whoever is free first
+    for seconds in took:  # the first idle worker takes the next batch
         now = heapq.heappop(free)
         storage_at = max(storage_at, now) + size / storage.total
         moved = max(storage_at, now + size / storage.each)
@@ -143,7 +146,7 @@ def simulate(
 def predicted(
     costs: Costs, storage: Storage, n_frames: float, workers: int
 ) -> tuple[float, float, float]:
-    """Low, middle and high seconds (95 %): each time other batches stand for those measured."""
+    """Return low, middle and high seconds (95 %) over random draws of the measured batches."""
     totals = []
     for seed in range(200):
         rng = np.random.default_rng([SEED, seed])

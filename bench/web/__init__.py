@@ -1,1 +1,1 @@
-"""Benchmark of the dashboard in a browser; see ``__main__.py``."""
+"""Benchmark of the dashboard in a browser. See ``__main__.py``."""

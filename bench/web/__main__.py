@@ -1,11 +1,11 @@
-"""The dashboard in a browser: from a key press on a slider to the changed plot, and playing.
+"""Measure the dashboard in a browser: slider key press to changed plot, and playback.
 
     python -m bench.web [--frames 0 100000 1000000] [--repeat 10] [--port 8650] [--out FILE]
 
-Starts the app on a folder of sets, opens each in Chromium (``$NVCORE_CHROMIUM``, else
+The module starts the app on a folder of sets, opens each in Chromium (``$NVCORE_CHROMIUM``, else
 /usr/bin/chromium-headless-shell), goes to the Timeline page and presses an arrow key on one slider
-after the other. 0 frames stand for the sample recordings. Each set has a server of its own. Prints
-one line of JSON; with ``--out`` it writes the section "In the browser" of that page.
+after the other. 0 frames mean the sample recordings. Each set has its own server. One line of JSON
+is printed. With ``--out`` the section "In the browser" of that page is written.
 """
 
 from __future__ import annotations
@@ -29,12 +29,13 @@ SLIDERS = {
     "sigmoid midpoint": ("Counts half at (px)", "ArrowRight"),
     "threshold": ("Score threshold of X", "ArrowRight"),
 }
-"""What is moved, its label and the key."""
+"""Slider to move, with its label and key."""
 OPEN_S, WARM = 600, 2
 PLAY_S = 5.0
 NO_CHANGE_MS = 2_500
-"""A key press after which the plot stays as it is, since no detection lies between the two
-thresholds, say, is not counted."""
+"""Time after which a key press counts as having no effect and is ignored, for example because no
+detection lies between the two thresholds.
+"""
 
 # Resolves with the milliseconds from the next key press until the lines of the time plot have
 # changed and the frame with them was painted; -1 if they do not change.
@@ -72,7 +73,7 @@ PLAYED = (
 
 
 def measure_set(browser: Browser, url: str, repeat: int, *, is_sample: bool) -> dict[str, Any]:
-    """Seconds to open the set and of each key press, by slider."""
+    """Return the seconds to open the set, and those of each key press by slider."""
     page = browser.new_page(viewport={"width": 1280, "height": 1000})
     opened_s = None if is_sample else open_set(page, url)
     if is_sample:
@@ -86,18 +87,18 @@ def measure_set(browser: Browser, url: str, repeat: int, *, is_sample: bool) -> 
 
 
 def open_set(page: Page, url: str) -> float:
-    """Open the folder's session file on the Data page; seconds until everything is shown."""
+    """Open the folder's session on the Data page, and return the seconds until all is shown."""
     page.goto(f"{url}/data")
     settle(page)
     box = page.get_by_text("Open your own files or another comparison")
-    if box.count():  # versions before have it open
+    if box.count():  # in older versions it is already open
         box.click()
     page.get_by_role("tab", name="Local folder").click(timeout=60_000)
     button = page.get_by_role("button", name="Open session")
     button.wait_for(timeout=60_000)
     start = perf_counter()
     button.click()
-    # the sidebar names it before the page is done
+    # the sidebar shows the name before the page is complete
     page.get_by_text("X: first").first.wait_for(state="attached", timeout=1000 * OPEN_S)
     settle(page)
     return perf_counter() - start
@@ -122,7 +123,7 @@ def settle(page: Page) -> None:
 
 
 def move(page: Page, label: str, key: str, repeat: int) -> list[float]:
-    """Seconds from key press to painted plot; the first `WARM` presses are not counted."""
+    """Return the seconds from key press to painted plot, without the first `WARM` presses."""
     slider = page.get_by_role("slider", name=label)
     seconds: list[float] = []
     for _ in range(3 * (WARM + repeat)):
@@ -139,7 +140,7 @@ def move(page: Page, label: str, key: str, repeat: int) -> list[float]:
 
 
 def measure_playing(browser: Browser, url: str) -> dict[str, float]:
-    """How many of the frames due are painted, and how many with boxes of another frame."""
+    """Count the frames due, those painted, and those with the boxes of another frame."""
     page = browser.new_page(viewport={"width": 1280, "height": 1000})
     open_set(page, url)
     go_to(page, "Timeline")

@@ -1,4 +1,4 @@
-"""The least app with a slider: what Streamlit itself takes."""
+"""Minimal app with a slider, to measure Streamlit's own time."""
 
 import streamlit as st
 

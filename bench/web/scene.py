@@ -1,6 +1,6 @@
-"""A recording that shows whether picture and boxes belong together: the frame number is in both.
+"""Recording with the frame number in picture and boxes, to check that they belong together.
 
-Every picture shows its number as black and white squares; X's box lies where the number says.
+Every picture shows its number as black and white squares, and X's box has a position given by it.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ WIDTH, HEIGHT, FPS, N_FRAMES = 640, 480, 20, 400
 SQUARE, BITS = 20, 9
 PERIOD, STEP, LEFT_PX = 110, 5, 20
 LINE = 222
-"""Row of pixels that is read: it crosses the two upright edges of X's box."""
+"""Row of pixels to read. It crosses the two vertical edges of X's box."""
 
 SESSION = """\
 [[recording]]
@@ -48,7 +48,7 @@ READER = f"""viewer => {{
 
 
 def write_scene(folder: Path) -> Path:
-    """Write video, boxes and session.toml; returns the session file."""
+    """Write video, boxes and session.toml, and return the session file."""
     folder.mkdir(parents=True, exist_ok=True)
     with av.open(str(folder / "numbered.mp4"), "w") as video:
         stream = video.add_stream("libx264", rate=FPS)
@@ -77,12 +77,12 @@ def write_scene(folder: Path) -> Path:
 
 
 def x_of(number: int) -> int:
-    """Left edge of X's box, px."""
+    """Return the left edge of X's box, px."""
     return LEFT_PX + STEP * (number % PERIOD)
 
 
 def is_whole(reading: dict[str, float]) -> bool:
-    """Whether picture and boxes on the canvas are those of the row that the viewer names."""
+    """Whether picture and boxes on the canvas belong to the row that the viewer shows."""
     row = int(reading["shown"])
     box = reading["box"]
     return reading["frame"] == row and box is not None and abs(box - x_of(row)) < STEP / 2

@@ -1,4 +1,4 @@
-"""A server of the app for measurements."""
+"""Server of the app for measurements."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 
 @contextmanager
 def open_chromium() -> Iterator[tuple[Browser, Path]]:
-    """The browser, and a folder for what it is shown."""
+    """Open the browser, and yield it with a folder for its data."""
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as parent:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
         yield browser, Path(parent)
@@ -36,7 +36,7 @@ def open_chromium() -> Iterator[tuple[Browser, Path]]:
 
 
 def folder_of_set(parent: Path, n: int, *, one_recording: bool = False) -> Path:
-    """A new folder with the set of `n` frames; an empty one for 0, the sample."""
+    """Create a folder with a set of `n` frames, or an empty one for 0, the sample."""
     folder = parent / str(n)
     folder.mkdir()
     if n:
@@ -46,7 +46,7 @@ def folder_of_set(parent: Path, n: int, *, one_recording: bool = False) -> Path:
 
 @contextmanager
 def serve(folder: Path, port: int, *, script: Path | None = None) -> Iterator[tuple[str, int]]:
-    """Address and process of the app of a checkout, or of another script, started on a folder."""
+    """Serve the app or another script on a folder, and yield address and process."""
     command = [sys.executable, "-m", "streamlit", "run", str(script or ROOT / "app.py")]
     command += [f"--server.port={port}", "--server.address=127.0.0.1", "--server.headless=true"]
     command += ["--", "--local-root", str(folder)]

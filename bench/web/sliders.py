@@ -1,10 +1,9 @@
-"""Sliders in a browser: painted frames while one is dragged, and the time to rest after a key.
+"""Measure sliders in a browser: painted frames during a drag, and the time to rest after a key.
 
     python -m bench.web.sliders [--frames 0 100000] [--repeat 12] [--out FILE]
 
-Of the dashboard and of an app that has nothing but a slider, in one run; 0 frames stand for the
-sample. Prints one line of JSON, and with ``--out`` writes the
-section "Sliders" of that page.
+Measured are the dashboard and an app with nothing but a slider, in one run. 0 frames mean the
+sample. One line of JSON is printed. With ``--out`` the section "Sliders" of that page is written.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ EMPTY = Path(__file__).with_name("empty_app.py")
 SLIDERS = ("alpha", "midpoint", "threshold_x")
 DRAG_S, WARM = 3.0, 2
 REACH = 0.12
-"""Of a slider's length, to either side of where it stands."""
+"""Distance of a drag to either side, as a share of the slider's length."""
 HEADING = "## Sliders"
 METHOD = """\
 The sidebar's sliders in headless Chromium {version}, without a GPU, server and browser on this
@@ -90,7 +89,7 @@ PRESS = (
 
 
 def drag(page: Page, key: str) -> dict[str, float]:
-    """Frames per second, all and with something new, while the handle goes to and fro."""
+    """Drag the handle back and forth, and return frames per second, all and with changes."""
     slider = page.locator(f".st-key-{key}")
     slider.scroll_into_view_if_needed()
     handle = slider.locator("[style*='translate']").first.bounding_box()
@@ -106,7 +105,7 @@ def drag(page: Page, key: str) -> dict[str, float]:
     step, passed = 0, 0.0
     while passed < 1000 * DRAG_S:
         step += 1
-        share = abs((step % 80) - 40) / 20 - 1  # to and fro between -1 and 1
+        share = abs((step % 80) - 40) / 20 - 1  # back and forth between -1 and 1
         page.mouse.move(x + REACH * share * track["width"], y)
         passed = page.evaluate("performance.now()") - start
     counted = page.evaluate("counted")
@@ -117,7 +116,7 @@ def drag(page: Page, key: str) -> dict[str, float]:
 
 
 def press(page: Page, repeat: int) -> tuple[float, float] | None:
-    """Median seconds from a key on alpha to the first change, and to rest."""
+    """Return median seconds from a key on alpha to the first change, and to rest."""
     runs = []
     for number in range(WARM + repeat):
         page.get_by_role("slider", name="alpha").focus()
@@ -155,7 +154,7 @@ def measure(
 
 
 def section(figures: dict[str, Any]) -> str:
-    """The section of docs/benchmarks.md."""
+    """Return the section of docs/benchmarks.md."""
     head = ["painted per s, with new numbers", *SLIDERS, "key: first change, at rest"]
     rows = []
     for name, measured in figures["apps"].items():

@@ -1,4 +1,4 @@
-"""The figures of `bench.web` as the section "In the browser" of docs/benchmarks.md."""
+"""Text of the section "In the browser" of docs/benchmarks.md from results of `bench.web`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from bench.tables import seconds_text, table
 
 HEADING = "## In the browser"
 TARGETS_S = {0: 0.3, 100_000: 0.5, 1_000_000: 1.0}
-"""By number of frames; 0 is the sample."""
+"""Targets by number of frames. 0 is the sample."""
 METHOD = """\
 The dashboard's Timeline page (viewer, time plot, lanes and sidebar) in headless Chromium {version},
 without a GPU, server and browser on this machine. *Key press to plot*: from the key event on the
@@ -22,7 +22,7 @@ of 1,000 frames; the sample has ten of 300. Load of the machine when it began: {
 
 
 def web_section(figures: dict[str, Any]) -> str:
-    """The whole section, its heading first."""
+    """Return the whole section, starting with its heading."""
     if "failed" in figures:
         return f"{HEADING}\n\nNot measured: {figures['failed']}\n"
     sets = {int(n): figure for n, figure in figures["sets"].items()}
@@ -40,7 +40,7 @@ def web_section(figures: dict[str, Any]) -> str:
 
 
 def put_section(path: Path, section: str) -> None:
-    """Put the section into a page, in place of the one of that heading, or at its end."""
+    """Replace the section with that heading in a page, or append it."""
     heading = section.partition("\n")[0]
     before, _, after = path.read_text(encoding="utf-8").partition(f"\n{heading}\n")
     _, mark, following = after.partition("\n## ")

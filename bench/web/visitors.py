@@ -1,15 +1,16 @@
-"""Many visitors at once: how long each waits for the first page and for each move of alpha.
+"""Measure many simultaneous visitors: wait for the first page and for each move of alpha.
 
     python -m bench.web.visitors [--visitors 10] [--minutes 10] [--pause 4.5] [--port 8651]
 
-Starts the app on its sample, waits until it is healthy, and opens the page for one visitor alone,
-then for all at once. The visitors speak the protocol of Streamlit's own page over a WebSocket, so
-that no browser shares the cores with the server. Each moves the slider of alpha on the Overview
-every `--pause` seconds, to values of its own order; a move ends when the server says that the page
-is complete. Each page is compared with the first of its alpha: whoever asks, it must say the same.
+The module starts the app on its sample, waits until it is healthy, and opens the page for one
+visitor alone, then for all at once. The visitors speak the protocol of Streamlit's own page over a
+WebSocket, so that no browser shares the cores with the server. Each moves the slider of alpha on
+the Overview every `--pause` seconds, to values in its own order. A move ends when the server
+reports that the page is complete. Each page must equal the first one for its alpha, whoever asks.
 
-Prints one line of JSON: seconds of the first pages, percentiles of the moves over the whole time
-and for each tenth, memory (PSS of the server and its children) over time and after all have left.
+One line of JSON is printed: seconds of the first pages, percentiles of the moves over the whole
+time and for each tenth, memory (PSS of the server and its children) over time and after all
+visitors have left.
 """
 
 from __future__ import annotations
@@ -37,28 +38,28 @@ ALPHA = "Misses against false alarms (alpha)"
 ALPHAS = tuple(round(0.1 * step, 1) for step in range(1, 10))
 LONGEST_S = 300
 READINGS = 20
-"""How often memory is read while the visitors move alpha."""
+"""Number of memory readings while the visitors move alpha."""
 ENDING_S = 240
-"""Sessions are kept for three minutes after the visitor left."""
+"""Time until sessions have ended. They are kept for three minutes after a visitor left."""
 
 
 @dataclass
 class Visitor:
-    """A session in the app, held over a WebSocket."""
+    """Session in the app, held over a WebSocket."""
 
     socket: ClientConnection
     slider_id: str = ""
     waits_s: list[tuple[float, float]] = field(default_factory=list)
-    """Of each move: when it was sent (s after the start) and how long it took (s)."""
+    """Send time (s after the start) and duration (s) of each move."""
 
     async def open_page(self) -> float:
-        """Seconds until the first page is complete."""
+        """Return the seconds until the first page is complete."""
         start = perf_counter()
         await self._ask(None)
         return perf_counter() - start
 
     async def move(self, alpha: float) -> str:
-        """Move alpha; the text of the page that comes back."""
+        """Move alpha, and return the text of the page that comes back."""
         return await self._ask(alpha)
 
     async def _ask(self, alpha: float | None) -> str:
@@ -83,7 +84,7 @@ class Visitor:
                         raise RuntimeError("the page failed")
 
     def _text_of(self, delta: Delta) -> str:
-        """What an element says; empty for a widget or a figure."""
+        """Return the text of an element, empty for a widget or a figure."""
         element = delta.new_element
         kind = element.WhichOneof("type")
         if kind == "slider" and element.slider.label == ALPHA:
@@ -94,7 +95,7 @@ class Visitor:
 
 
 async def visit(url: str) -> Visitor:
-    """A new visitor; close its socket when done."""
+    """Create a visitor. The caller closes its socket."""
     address = url.replace("http://", "ws://") + "/_stcore/stream"
     return Visitor(await connect(address, origin=url, subprotocols=["streamlit"], max_size=None))
 
@@ -102,7 +103,7 @@ async def visit(url: str) -> Visitor:
 async def move_for(
     visitor: Visitor, seconds: float, pause_s: float, texts: dict[float, str], *, seed: int
 ) -> int:
-    """Move alpha every `pause_s` seconds; how many pages differ from the first of their alpha."""
+    """Move alpha every `pause_s` seconds, and count pages unlike the first of their alpha."""
     chance = random.Random(seed)
     start, n_other = perf_counter(), 0
     await asyncio.sleep(chance.uniform(0, pause_s))
@@ -118,7 +119,7 @@ async def move_for(
 
 
 def memory_mb(pid: int) -> float:
-    """Proportional set size of a process and all below it, in MB."""
+    """Return the proportional set size of a process and its descendants, in MB."""
     return sum(_pss_kb(process) for process in _tree(pid)) / 1000
 
 
@@ -131,19 +132,19 @@ def _tree(pid: int) -> list[int]:
 def _pss_kb(pid: int) -> float:
     try:
         lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
-    except OSError:  # it has ended by now
+    except OSError:  # the process has ended
         return 0.0
     return next((float(line.split()[1]) for line in lines if line.startswith("Pss:")), 0.0)
 
 
 def percentiles(waits_s: list[float]) -> dict[str, float]:
-    """p50, p95, p99 and the longest, in seconds."""
+    """Return p50, p95, p99 and the maximum, in seconds."""
     p50, p95, p99 = np.percentile(waits_s, [50, 95, 99])
     return {"n": len(waits_s), "p50": p50, "p95": p95, "p99": p99, "max": max(waits_s)}
 
 
 async def measure(url: str, pid: int, options: argparse.Namespace) -> dict[str, Any]:
-    """All of it, on a server that has just become healthy."""
+    """Run the whole measurement on a server that has just become healthy."""
     figures: dict[str, Any] = {"load": os.getloadavg()[0], "memory_mb": {"start": memory_mb(pid)}}
     alone = await visit(url)
     figures["first_page_alone_s"] = await alone.open_page()
