@@ -1,1 +1,1 @@
-"""Programs for those who work on the project; run from its folder."""
+"""Scripts for developers of the project. Run them from its root folder."""

@@ -1,4 +1,4 @@
-"""What `scripts/same_results.py` runs, as data: sessions, files beside them, and command lines."""
+"""Test cases of `scripts/same_results.py`: sessions, accompanying files, and command lines."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True)
 class System:
-    """A system: the path of its session file, the range of its scores, and further keys."""
+    """System with the path in its session file, the range of its scores, and further keys."""
 
     path: str
     scores: Range = (0.0, 1.0)
@@ -18,24 +18,24 @@ class System:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Inputs that are compared.
+    """Inputs to compare.
 
     Attributes
     ----------
     name
-        For the table and `--only`.
+        Name in the table and for `--only`.
     systems
-        Systems by name; the first two are compared, under random settings any two.
+        Systems by name. The first two are compared. Random settings compare any two.
     recording
-        One of its recordings, for commands that take a single one.
+        One of the recordings, for commands that take a single one.
     head
-        Text of the session file without its systems; empty: `path` is a session of the sample.
+        Text of the session file without its systems. Empty: `path` is a session of the sample.
     path
         Path of the session file.
     runs
-        Names of `RUNS` beside those that every comparison has.
+        Names of `RUNS`, in addition to those of every comparison.
     first
-        Command lines that write what the session names.
+        Command lines that write files used by the session.
     """
 
     name: str
@@ -48,7 +48,7 @@ class Comparison:
 
     @property
     def text(self) -> str:
-        """Text of the session file with its placeholders; empty: it is one of the sample."""
+        """Text of the session file with its placeholders, empty for a session of the sample."""
         tables = [
             f'[[system]]\nname = "{name}"\npath = "{system.path}"\n{system.keys}'
             for name, system in self.systems.items()
@@ -150,7 +150,7 @@ RUNS = {
 RUNS_OF_ALL = ("default", "corrections", "options", "fleet")
 
 SCRIPTS = {
-    # tables of stores, results and Parquet files as CSV; names of files and times are left out
+    # tables of stores, results and Parquet files as CSV, without file names and times
     "tables": """
 import shutil
 from pathlib import Path
@@ -182,7 +182,7 @@ for name, written in (("trials_simulated.csv", "trials.csv"), ("study/boxes.csv"
     header, *lines = Path(sys.argv[1], name).read_text().splitlines(keepends=True)
     Path(written).write_text(header + "".join(line for line in lines if "study_0" in line))
 """,
-    # no command reads ratings: as the dashboard's page does
+    # no command reads ratings, so this does the same as the dashboard's page
     "ratings": r"""
 import sys
 from pathlib import Path
@@ -235,7 +235,7 @@ audit_warnings <= 1
     "bad_pictures.toml": 'truth.path = "{sample}/truth.csv"\ndefaults = {size="640x480", fps=20}\n',
     "empty.csv": "",
 }
-"""Files beside every session, by their names."""
+"""Files beside every session, by name."""
 
 EVERYTHING = """
 defaults = {size = "640x480", fps = 20, frames = "0:299"}

@@ -1,9 +1,9 @@
-"""Time to contact from box heights beside that from metres, on KITTI: a section of a page.
+"""Compare time to contact from box heights with that from metres, on KITTI.
 
     python -m scripts.contact_in_metres [--write]
 
-Prints "Time to contact" of docs/validation.md; with `--write` it writes that and the picture (which
-takes Chromium). The recordings are those in `$NVCORE_REALDATA`.
+Prints the section "Time to contact" of docs/validation.md. With `--write`, the section and its
+picture are written (which needs Chromium). The recordings are those in `$NVCORE_REALDATA`.
 """
 
 from __future__ import annotations
@@ -39,17 +39,17 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "validation.md"
 PICTURE = "images/time-to-contact.png"
 SIZES = {"0013": (1242, 375), "0015": (1242, 375), "0016": (1224, 370)}
-"""Recordings with the size of their pictures."""
+"""Recordings with their picture sizes."""
 NEAR_SIDE_M = 0.4
-"""From the middle of a person, where KITTI's distances end, to their near side."""
+"""Distance from the middle of a person, as in KITTI, to their near side."""
 EDGE_PX = 1.0
-"""A box that is no farther than this from the picture's edge is cut off there."""
+"""Maximum distance from the picture's edge for a box to count as cut off."""
 HEIGHTS_PX = (0, 50, 75, 100, 150, np.inf)
 TIMES_S = (0, 1, 2, 4, 8, 20, np.inf)
 NEAR_S = 4.0
 HIGH_PX = 50.0
 OFF = 0.1
-"""Share by which a drawn box is lower or higher than the person stands."""
+"""Share by which a drawn box is lower or higher than the person."""
 SECTION = """\
 ## Time to contact: box heights and metres
 
@@ -104,7 +104,7 @@ To reproduce: `python -m scripts.contact_in_metres --write`.
 
 
 def load_kitti(realdata: Path) -> Dataset:
-    """The three recordings with both detectors, distances in the truth."""
+    """Load the three recordings with both detectors and with distances in the truth."""
     return load(
         Session(
             realdata / "kitti_tracking",
@@ -123,13 +123,13 @@ def load_kitti(realdata: Path) -> Dataset:
 
 
 def measure_boxes(result: Result) -> pd.DataFrame:
-    """Each truth box that is not ignored, with its time to contact by each way to it.
+    """Return each truth box that is not ignored with its time to contact by each method.
 
     Returns
     -------
-    Columns recording, height_px, distance_m, occlusion, is_cut, relative_height (of X's box, NaN:
-    none), is_missed_x, is_missed_y, and in seconds metres, near_side (distances to the near side),
-    heights, with_cut (heights, cut boxes counted) and drawn (heights of X's boxes).
+    Columns recording, height_px, distance_m, occlusion, is_cut, relative_height (of X's box, NaN
+    for none), is_missed_x, is_missed_y, and in seconds metres, near_side (distances to the near
+    side), heights, with_cut (heights including cut boxes) and drawn (heights of X's boxes).
     """
     truth, frames = result.dataset.truth, result.dataset.frame_columns
     recording = frames.recording[truth.frame_index]
@@ -168,7 +168,7 @@ def measure_boxes(result: Result) -> pd.DataFrame:
 
 
 def drawn_contact(result: Result) -> tuple[np.ndarray, np.ndarray]:
-    """Time to contact (s) and height (px) of each truth box by X's box that matches it, or NaN."""
+    """Return time to contact (s) and height (px) of each truth box by X's matching box, or NaN."""
     truth, frames = result.dataset.truth, result.dataset.frame_columns
     matches = result.x.matches
     is_drawn = matches.is_matched & ~truth.ignore
@@ -186,7 +186,7 @@ def drawn_contact(result: Result) -> tuple[np.ndarray, np.ndarray]:
 
 
 def ratio_cells(boxes: pd.DataFrame, way: str, base: str = "metres") -> tuple[str, str, str]:
-    """Number of boxes, median ratio with its range, share called not closing."""
+    """Return number of boxes, median ratio with range, and share called not closing, as text."""
     metres, other = boxes[base].to_numpy(), boxes[way].to_numpy()
     is_known = np.isfinite(metres) & (metres > 0) & ~np.isnan(other)
     ratio = other[is_known] / metres[is_known]
@@ -199,7 +199,7 @@ def ratio_cells(boxes: pd.DataFrame, way: str, base: str = "metres") -> tuple[st
 
 
 def groups_of(boxes: pd.DataFrame) -> Iterator[tuple[str, pd.Series]]:
-    """The rows of the table: what they are, and which boxes."""
+    """Yield the name and the mask of boxes of each row of the table."""
     yield "all", pd.Series(True, boxes.index)
     for name in SIZES:
         yield name, boxes["recording"] == name
@@ -216,7 +216,7 @@ def groups_of(boxes: pd.DataFrame) -> Iterator[tuple[str, pd.Series]]:
 
 
 def ratio_table(boxes: pd.DataFrame) -> str:
-    """Ratios by recording, height, time left, occlusion and edge."""
+    """Return ratios by recording, height, time left, occlusion and edge."""
     rows = []
     for text, is_in in groups_of(boxes):
         part = boxes[is_in]
@@ -230,7 +230,7 @@ def ratio_table(boxes: pd.DataFrame) -> str:
 
 
 def urgency_table(result: Result, boxes: pd.DataFrame) -> str:
-    """Encounters by their urgency by metres, and how many have the same one by heights."""
+    """Tabulate encounters by urgency from metres, with the number of equal results from heights."""
     truth, frames = result.dataset.truth, result.dataset.frame_columns
     by_metres = time_left_in(result).urgency["urgency"]
     classes = {}
@@ -257,7 +257,7 @@ def urgency_table(result: Result, boxes: pd.DataFrame) -> str:
 
 
 def closing_speeds(boxes: pd.DataFrame) -> str:
-    """Median speed at which people come nearer in each recording, by the metres."""
+    """Return the median closing speed of people in each recording, from metres."""
     is_closing = np.isfinite(boxes["metres"]) & (boxes["metres"] > 0)
     near = boxes[is_closing]
     speed_kmh = KMH * near["distance_m"] / near["metres"]
@@ -266,7 +266,7 @@ def closing_speeds(boxes: pd.DataFrame) -> str:
 
 
 def miss_table(result: Result, boxes: pd.DataFrame) -> str:
-    """Share of boxes that each detector misses, of high ones and of those with little time left."""
+    """Tabulate each detector's miss rate for all high boxes and for those with little time left."""
     groups = (
         ("all", boxes["height_px"] > 0),
         (f"{HIGH_PX:g} px and more", boxes["height_px"] >= HIGH_PX),
@@ -284,7 +284,7 @@ def miss_table(result: Result, boxes: pd.DataFrame) -> str:
 
 
 def section_of(result: Result, boxes: pd.DataFrame) -> str:
-    """The section of the page."""
+    """Return the section of the page."""
     return SECTION.format(
         picture=PICTURE,
         ratios=ratio_table(boxes),
@@ -297,12 +297,12 @@ def section_of(result: Result, boxes: pd.DataFrame) -> str:
 
 
 def ratio_figure(boxes: pd.DataFrame) -> go.Figure:
-    """Ratio of each box over its time to contact by metres, the truth's boxes beside drawn ones."""
+    """Plot the ratio of each box over its time to contact in metres, for truth and drawn boxes."""
     look = LOOK["light"]
     ways = {"heights": "the truth's boxes", "drawn": "boxes drawn by RRC"}
     figure = make_subplots(1, 2, shared_yaxes=True, horizontal_spacing=0.03)
     sizes = ((0, 50, "below 50 px"), (50, 100, "50 to 100 px"), (100, np.inf, "100 px and more"))
-    colours = LOSS_COLOURS["light"][1:]  # of no system
+    colours = LOSS_COLOURS["light"][1:]  # colours that no system has
     for column, way in enumerate(ways, start=1):
         ratio = (boxes[way] / boxes["metres"]).replace([np.inf, -np.inf], np.nan)
         for (low, high, text), colour in zip(sizes, colours, strict=True):
@@ -335,7 +335,7 @@ def ratio_figure(boxes: pd.DataFrame) -> go.Figure:
 
 
 def write_picture(figure: go.Figure, path: Path) -> None:
-    """Write a figure as PNG with few colours, by Chromium."""
+    """Write a figure as PNG with few colours, using Chromium."""
     from PIL import Image
     from playwright.sync_api import sync_playwright
 

@@ -1,8 +1,8 @@
-"""Puts the dashboard into the wheel, as data of the package: what `nvcore app` starts.
+"""Build hook that puts the dashboard, as started by `nvcore app`, into the wheel as package data.
 
-Not as packages of their own: at the top of site-packages `ui`, `pages` and `app` would be in
-everybody's way. ``streamlit run`` puts the folder of its script on the path, so that they import
-each other as they do here. An editable installation takes them from the checkout.
+The folders are no packages of their own: at the top of site-packages, `ui`, `pages` and `app` would
+collide with other packages. ``streamlit run`` puts the script's folder on the path, so that imports
+work as in the checkout. An editable installation uses the checkout.
 """
 
 from pathlib import Path
@@ -12,16 +12,16 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 PARTS = (
     *("app.py", "pages", "ui", "sample_data", ".streamlit/config.toml", "docs/*.md"),
-    "docs/images/time-to-contact.png",  # the others are of the README
+    "docs/images/time-to-contact.png",  # the other images belong to the README
 )
 TARGET = Path("nvcore", "dashboard")
 
 
 class DashboardInWheel(BuildHookInterface):  # type: ignore[type-arg]
-    """Adds the files of the dashboard; hatchling leaves compiled modules out."""
+    """Add the files of the dashboard, since hatchling omits compiled modules."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Name the files, unless the installation is editable."""
+        """List the files unless the installation is editable."""
         if version == "editable":
             return
         root = Path(self.root)

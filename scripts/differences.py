@@ -1,4 +1,4 @@
-"""Files of two runs compared: to the byte, but for a list of wordings, or only their facts."""
+"""Compare the files of two runs: byte by byte, except for listed wordings, or by facts only."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ JSON_STRING = re.compile(r'(?P<string>"(?:[^"\\]|\\.)*")(?P<colon>\s*:)?')
 JSON_BLOCK = re.compile(r'(?<=<script type="application/json">)(.*?)(?=</script>)', re.DOTALL)
 JSON_IN_HTML = str.maketrans({"<": "\\u003c", ">": "\\u003e", "&": "\\u0026"})
 FIXED_COLUMN = "figure"
-"""Column of the reports that programs look rows up by: never reworded."""
+"""Column of the reports that programs use as a key. It is never reworded."""
 
 EXCERPT = 70
-"""Characters that are shown on either side of the first difference in a line."""
+"""Number of characters to show on either side of the first difference in a line."""
 SHOWN = 3
-"""Lines or facts of a file that are shown."""
+"""Maximum number of lines or facts of a file to show."""
 
 DURATION = r"[\d.,]+ (?:ms|s|min|h)(?: [\d.]+ s)?"
 MASKS = tuple((re.compile(name), re.compile(text, re.MULTILINE), by) for name, text, by in (
-    # which lines of progress a log has depends on how long the work takes
+    # the lines of progress in a log depend on the duration
     (r"\.stderr\.txt", r"^(?:\d+% done|step \d+ of|\S+: [\d,]+ of|reading pictures|stability maps"
      r"|testing the diff|detection curves|evidence frames|the page|studies of|done).*\n", ""),
     (r"\.std(?:err|out)\.txt", rf"\b(in|about) {DURATION}( \(|$)", r"\1 TIME\2"),
@@ -38,19 +38,19 @@ MASKS = tuple((re.compile(name), re.compile(text, re.MULTILINE), by) for name, t
     # times of the run itself, such as when the primary measure was chosen
     (r"", r"\d{4}-\d\d-\d\d(?:T| at )\d\d:\d\d(?::\d\d)?", "WHEN"),
     (r"", r"(\bnvcore |\bversion\"?(?: =|:) \")\d+\.\d+\.\d+\w*", r"\1VERSION"),
-    # the files are compared themselves
+    # the files themselves are compared
     (r"SHA256SUMS", r"^[0-9a-f]{64}", "HASH"),
 ))  # fmt: skip
-"""What differs from run to run or with the version: in which files, what, and what it becomes."""
+"""Parts that vary by run or version: file names, pattern, and replacement."""
 
 
 class WordingError(ValueError):
-    """An entry of the list of wordings cannot be used."""
+    """Error for an invalid entry of the list of wordings."""
 
 
 @dataclass(frozen=True)
 class Wording:
-    """A text of the older program, and what the newer one says in its place."""
+    """Text of the older program, and its replacement in the newer one."""
 
     old: str
     new: str
@@ -63,12 +63,12 @@ class Wording:
 
 
 def read_wordings(path: Path) -> tuple[Wording, ...]:
-    """The list of wordings in a TOML file.
+    """Read the list of wordings from a TOML file.
 
     Raises
     ------
     WordingError
-        If an entry has other keys than `old` and `new`, or would change a number.
+        If an entry has keys other than `old` and `new`, or would change a number.
     """
     try:
         entries = tomllib.loads(path.read_text(encoding="utf-8")).get("wording", [])
@@ -79,18 +79,18 @@ def read_wordings(path: Path) -> tuple[Wording, ...]:
 
 @dataclass
 class Rewording:
-    """Texts of the older program in the words of the newer one; counts what was needed."""
+    """Translation of the older program's texts into the newer one's, counting the wordings used."""
 
     wordings: tuple[Wording, ...] = ()
     needed: set[Wording] = field(default_factory=set)
 
     def file(self, name: str, text: str) -> str:
-        """The text of a file, by the ending of its name."""
+        """Translate the text of a file, depending on its extension."""
         kinds = {".csv": self.csv, ".json": self.json, ".html": self.html}
         return kinds.get(Path(name).suffix, self.text)(text)
 
     def text(self, text: str, spell: Callable[[str], str] = str) -> str:
-        """Plain text, or text in which a wording is spelled in another way, as in HTML."""
+        """Translate plain text, or text in which wordings are spelled differently, as in HTML."""
         for wording in self.wordings:
             if spell(wording.old) in text:
                 text = text.replace(spell(wording.old), spell(wording.new))
@@ -98,11 +98,11 @@ class Rewording:
         return text
 
     def csv(self, text: str) -> str:
-        """CSV: its cells, but for the header, numbers and the column that is fixed."""
+        """Translate the cells of CSV, except for header, numbers and the fixed column."""
         line_end = "\r\n" if "\r\n" in text else "\n"
         rows = list(csv.reader(io.StringIO(text, newline="")))
         if _csv_text(rows, line_end) != text or len({len(row) for row in rows}) != 1:
-            return text  # not written as the reports are: to the byte
+            return text  # not written like the reports, so compared byte by byte
         reworded = [
             [
                 cell if column == FIXED_COLUMN or _is_number(cell) else self.text(cell)
@@ -113,7 +113,7 @@ class Rewording:
         return _csv_text([*rows[:1], *reworded], line_end)
 
     def json(self, text: str, *, in_html: bool = False) -> str:
-        """JSON: its strings, not its keys."""
+        """Translate the strings of JSON, but not its keys."""
 
         def value(literal: re.Match[str]) -> str:
             string = json.loads(literal["string"])
@@ -126,7 +126,7 @@ class Rewording:
         return JSON_STRING.sub(value, text) if self.wordings else text
 
     def html(self, text: str) -> str:
-        """HTML: its text and attributes, and the JSON of its figures."""
+        """Translate text and attributes of HTML, and the JSON of its figures."""
         parts = JSON_BLOCK.split(text)
         for index, part in enumerate(parts):
             if index % 2:
@@ -151,21 +151,21 @@ def _is_number(cell: str) -> bool:
 
 
 def _in_markup(text: str) -> str:
-    """As the template engine escapes it."""
+    """Escape text like the template engine."""
     return html.escape(text).replace("&quot;", "&#34;").replace("&#x27;", "&#39;")
 
 
 def compare_files(name: str, old: bytes, new: bytes, rewording: Rewording | None) -> str | None:
-    """Where two files differ first, or None if they are the same.
+    """Describe the first difference of two files, or return None if they are the same.
 
     Parameters
     ----------
     name
-        Name of the file; its ending decides what may be reworded.
+        Name of the file. Its extension decides which parts may be reworded.
     old, new
-        What the older and the newer program wrote.
+        Output of the older and the newer program.
     rewording
-        The wordings that may differ; None: all of them, facts are compared.
+        Wordings that may differ. None: any wording may, and only facts are compared.
     """
     if old == new:
         return None
@@ -185,7 +185,7 @@ def compare_files(name: str, old: bytes, new: bytes, rewording: Rewording | None
 
 
 def masked(name: str, text: str) -> str:
-    """The text of a file without what `MASKS` says."""
+    """Mask the parts of a file that `MASKS` lists."""
     for names, pattern, by in MASKS:
         if names.search(name):
             text = pattern.sub(by, text)
@@ -211,7 +211,7 @@ def _different_lines(old: str, new: str) -> str:
 
 
 def _excerpt(line: str | None, other: str | None) -> str:
-    """A line around the place where it begins to differ from the other one."""
+    """Return an excerpt of a line around its first difference from the other one."""
     if line is None:
         return "(nothing)"
     pairs = enumerate(zip(line, other or "", strict=False))
@@ -222,7 +222,7 @@ def _excerpt(line: str | None, other: str | None) -> str:
 
 
 def compare_folders(old: Path, new: Path, rewording: Rewording | None) -> Iterator[tuple[str, str]]:
-    """Files that differ, each with where it does, in the order of their names."""
+    """Yield each file that differs with the place of the difference, sorted by name."""
     names = {
         path.relative_to(folder).as_posix()
         for folder in (old, new)

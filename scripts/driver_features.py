@@ -1,10 +1,11 @@
-"""The features of pedestrians in real pictures, as the tables of docs/driver-reference.md.
+"""Compute pedestrians' features in real pictures, for the tables of docs/driver-reference.md.
 
     python -m scripts.driver_features [--write]
 
-Pictures and boxes are those of `$NVCORE_REALDATA`, all by day: the two twins of KAIST, visible and
-far infrared; PETS09-S2L1 and two sequences of TUD; three pictures of KITTI. `--write` puts the
-tables between their marks in docs/driver-reference.md. Less than a minute on two free cores.
+Pictures and boxes are those of `$NVCORE_REALDATA`, all by day: the visible and far-infrared twins
+of KAIST, PETS09-S2L1 and two sequences of TUD, and three pictures of KITTI. `--write` puts the
+tables between their markers in docs/driver-reference.md. It takes less than a minute on two free
+cores.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ _FORMS: Final = {"colour_emd": ".2f"}
 
 
 def videos(realdata: Path, surround: float) -> dict[str, pd.DataFrame]:
-    """Features of every pedestrian of the videos, by recording."""
+    """Return the features of every pedestrian in the videos, by recording."""
     tables = {}
     for name, file in VIDEOS.items():
         session = Session(
@@ -53,7 +54,7 @@ def videos(realdata: Path, surround: float) -> dict[str, pd.DataFrame]:
 
 
 def of_picture(path: Path, boxes: np.ndarray) -> pd.DataFrame:
-    """Features of these boxes in a picture, looked at in its middle."""
+    """Return the features of these boxes in a picture, with the fixation in its middle."""
     picture = decode_image(file_bytes(path), path.name)
     height, width = picture.shape[:2]
     values = features_of(picture, boxes, (width / 2, height / 2))
@@ -61,7 +62,7 @@ def of_picture(path: Path, boxes: np.ndarray) -> pd.DataFrame:
 
 
 def twins(realdata: Path) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The two pedestrians of KAIST in the visible and in the far-infrared picture."""
+    """Return the two pedestrians of KAIST in the visible and in the far-infrared picture."""
     folder = realdata / "thermal" / "kaist"
     truth = pd.read_csv(folder / "gt.csv")
     visible, infrared = (
@@ -72,7 +73,7 @@ def twins(realdata: Path) -> tuple[pd.DataFrame, pd.DataFrame]:
 
 
 def kitti(realdata: Path) -> pd.DataFrame:
-    """Pedestrians of three pictures of KITTI."""
+    """Return the pedestrians of three pictures of KITTI."""
     rows = pd.read_csv(realdata / "kitti_tracking" / "label_02" / "0016.txt", sep=" ", header=None)
     tables = []
     for frame in KITTI:
@@ -85,7 +86,7 @@ def kitti(realdata: Path) -> pd.DataFrame:
 
 
 def cell(values: pd.Series, key: str) -> str:
-    """Median, and between which values eight of ten lie."""
+    """Format the median and the range of the middle 80 %."""
     form = _FORMS.get(key, ".1f")
     if values.isna().all():
         return "–"
@@ -94,7 +95,7 @@ def cell(values: pd.Series, key: str) -> str:
 
 
 def table_of_sets(sets: dict[str, pd.DataFrame]) -> list[str]:
-    """One row a feature, one column a set."""
+    """Return rows with one feature per row and one set per column."""
     lines = [
         "| | " + " | ".join(f"{name}, {len(table):,} boxes" for name, table in sets.items()) + " |",
         "|---" * (1 + len(sets)) + "|",
@@ -106,7 +107,7 @@ def table_of_sets(sets: dict[str, pd.DataFrame]) -> list[str]:
 
 
 def table_of_twins(visible: pd.DataFrame, infrared: pd.DataFrame) -> list[str]:
-    """One row a feature, the two pedestrians in both pictures."""
+    """Return rows with one feature per row, for the two pedestrians in both pictures."""
     lines = [
         "| | first, visible | first, far infrared | second, visible | second, far infrared |",
         "|---|--:|--:|--:|--:|",
@@ -123,7 +124,7 @@ def table_of_twins(visible: pd.DataFrame, infrared: pd.DataFrame) -> list[str]:
 
 
 def table_of_surrounds(by_surround: dict[float, pd.DataFrame]) -> list[str]:
-    """Rank correlation of each contrast with that of the default surround."""
+    """Return rank correlations of each contrast with that of the default surround."""
     usual = by_surround[2.0]
     others = [surround for surround in by_surround if surround != 2.0]
     lines = [
@@ -141,7 +142,7 @@ def table_of_surrounds(by_surround: dict[float, pd.DataFrame]) -> list[str]:
 
 
 def text(realdata: Path) -> str:
-    """All tables as Markdown."""
+    """Return all tables as Markdown."""
     by_surround = {surround: videos(realdata, surround) for surround in SURROUNDS}
     pooled = {
         surround: pd.concat(tables.values(), ignore_index=True)
@@ -161,7 +162,7 @@ def text(realdata: Path) -> str:
 
 
 def main() -> None:
-    """Print the tables, and write them between their marks."""
+    """Print the tables, and write them between their markers."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,17 +1,17 @@
-"""The facts in what the program writes: names, keys and numbers. Prose is passed over.
+"""Extract facts (names, keys and numbers) from the program's output, ignoring prose.
 
-A fact is a place and its value; two files state the same if their facts are equal.
+A fact is a place and its value. Two files state the same if their facts are equal.
 
-- CSV: the columns, in any order, the number of rows, and every cell; JSON and TOML: every key and
-  its value. Of a text in a column or under a key of `PROSE` only whether there is one.
-- JUnit: the counts of every suite; of every case its outcome, and the numbers that it states.
+- CSV: the columns, in any order, the number of rows, and every cell. JSON and TOML: every key with
+  its value. Texts in a column or under a key of `PROSE` count only as present or absent.
+- JUnit: the counts of every suite, and the outcome and the stated numbers of every case.
 - HTML: anchors, pictures, lengths of bars, rows of tables, X, Y and their difference in tiles, and
-  the traces of charts but for the texts under `PROSE_OF_CHARTS`.
+  the traces of charts except for the texts under `PROSE_OF_CHARTS`.
 - Printed text and Markdown: rows of tables, and lines that are a number, such as an exit code.
 - `SHA256SUMS`: the names.
 
-In a row of a table for people, a cell of `SENTENCE` words or more is prose. Of any other cell the
-numbers are facts, and the names that have a digit or an underscore; its words are not.
+In a row of a table for people, a cell of `SENTENCE` words or more is prose. In any other cell,
+numbers are facts, as are names with a digit or an underscore, but other words are not.
 """
 
 from __future__ import annotations
@@ -50,13 +50,13 @@ Facts = Iterator[tuple[str, str]]
 
 
 def facts(name: str, text: str) -> dict[str, str]:
-    """The facts in a file by their places; the ending of its name says what is in it."""
+    """Return the facts of a file by place. The extension of its name determines the format."""
     kinds = {".csv": _csv, ".json": _json, ".toml": _toml, ".xml": _junit, ".html": _html}
     if Path(name).name == "SHA256SUMS":
         return {line.split()[-1]: "" for line in text.splitlines()}
     try:
         return dict(kinds.get(Path(name).suffix, _rows)(text))
-    except (ValueError, ElementTree.ParseError):  # nothing, or an error, was printed in its place
+    except (ValueError, ElementTree.ParseError):  # the output is empty or an error instead
         return dict(_rows(text))
 
 
@@ -129,7 +129,7 @@ def _rows(text: str) -> Facts:
 
 
 def _numbers(cell: str) -> str:
-    """Numbers and names of a cell for people; "…": only words."""
+    """Return numbers and names of a cell for people, or "…" if it has only words."""
     tokens = NUMBER_OR_NAME.findall(cell) if len(WORD.findall(cell)) < SENTENCE else []
     return " ".join(tokens).replace("−", "-") or _any(cell.strip())
 

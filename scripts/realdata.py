@@ -12,7 +12,7 @@ def realdata() -> Path:
     Raises
     ------
     SystemExit
-        If it is not set, or there is no such folder.
+        If the variable is not set, or the folder does not exist.
     """
     folder = os.environ.get("NVCORE_REALDATA", "")
     if not folder or not Path(folder).is_dir():

@@ -3,18 +3,18 @@
     python scripts/same_results.py OLD_CHECKOUT NEW_CHECKOUT
         [--numbers] [--random N] [--seed S] [--only NAME ...] [--keep DIR] [--jobs N]
 
-Each checkout needs its `.venv` with all extras (`make check` makes it). The command lines of
-`scripts/comparisons.py` are run by either checkout: all commands with the default settings, with
-wrong corrections of X and Y that the audit has to notice, and with bad inputs, and those that
-compare with N random settings. What they write and print is compared to the byte, but for what
-`scripts/differences.py` masks and the texts listed in `scripts/wordings.toml`; with `--numbers`
-only file names and the facts that `scripts/facts.py` tells from prose. Commands that both refuse
-are the same and named, as nothing but their message was compared. Exit code 0: all the same,
-1: something differs, 2: it cannot be run.
+Each checkout needs its `.venv` with all extras (`make check` makes it). Both checkouts run the
+command lines of `scripts/comparisons.py`: all commands with the default settings, with wrong
+corrections of X and Y that the audit has to notice, and with bad inputs, and the comparing commands
+with N random settings. Files and printed text are compared byte by byte, except for parts that
+`scripts/differences.py` masks and the texts listed in `scripts/wordings.toml`. With `--numbers`
+only file names and facts (`scripts/facts.py`) are compared. Commands that both checkouts reject
+count as equal and are listed, because only their message was compared. Exit code 0: all equal, 1:
+something differs, 2: the script cannot run.
 
-The real recordings are those in `$NVCORE_REALDATA`; without them only sessions of the sample are
-compared. `--keep DIR` keeps what was
-written; that of the older checkout is used again while its commit and the commands stay the same.
+The real recordings are those in `$NVCORE_REALDATA`. Without them only sessions of the sample are
+compared. `--keep DIR` keeps the output. That of the older checkout is used again while its commit
+and the commands stay the same.
 """
 
 from __future__ import annotations
@@ -67,12 +67,12 @@ USUAL: dict[str, Range] = {
     "confirm_n": (1, 5),
     "confirm_m": (5, 20),
 }
-"""Where random settings are drawn if their whole range would leave little to compare."""
+"""Ranges of random settings whose full range would leave little to compare."""
 
 SHARE_SET = 0.4
-"""Share of the parameters that a random setting sets."""
+"""Share of the parameters that a random setting changes."""
 SHARE_AT_AN_END = 0.1
-"""Share of those that are drawn at an end of what `Params` accepts."""
+"""Share of changed parameters that are set to an end of the range accepted by `Params`."""
 
 CORRECTIONS = ("--offset-frames-x", "3", "--offset-px-y=-8,4", "--scale-y", "1.1")
 
@@ -99,9 +99,9 @@ print(json.dumps({"params": ranges, "protocols": list(PROTOCOLS)}))
 
 @dataclass(frozen=True)
 class Task:
-    """A comparison under one setting: commands that both checkouts run.
+    """Comparison under one setting, with the commands that both checkouts run.
 
-    A command that begins with "!" has to be refused; "python" runs one of `SCRIPTS`.
+    A command that begins with "!" must be rejected. "python" runs one of `SCRIPTS`.
     """
 
     comparison: Comparison
@@ -111,14 +111,14 @@ class Task:
 
     @property
     def names(self) -> tuple[str, str]:
-        """Names by which `--only` picks it."""
+        """Names that `--only` accepts for it."""
         return self.comparison.name, f"{self.comparison.name}/{self.setting}"
 
 
 def random_flags(
     ranges: dict[str, Any], comparison: Comparison, *, seed: int, index: int
 ) -> tuple[str, ...]:
-    """Flags of a random setting: the same for the same seed, comparison and index."""
+    """Return the flags of a random setting. Equal seed, comparison and index give equal flags."""
     draw = random.Random(f"{seed} {comparison.name} {index}")
     x, y = draw.sample(sorted(comparison.systems), 2)
     thresholds = {
@@ -162,7 +162,7 @@ def make_tasks(
     count: int,
     seed: int,
 ) -> list[Task]:
-    """Every comparison under every setting, the commands of each."""
+    """Return the commands of every comparison under every setting."""
     tasks = []
     for comparison in comparisons:
         settings: dict[str, tuple[str, tuple[str, ...]]] = {
@@ -185,14 +185,14 @@ def make_tasks(
 
 
 class Runner:
-    """Runs the tasks in both checkouts, in the same folders.
+    """Runner of tasks in both checkouts, in the same folders.
 
     Parameters
     ----------
     old, new
         The checkouts.
     folder
-        Where the commands run and what they write stays.
+        Folder in which the commands run and their output stays.
     realdata
         Folder of the real recordings.
     """
@@ -202,7 +202,7 @@ class Runner:
         self.old_commit = _clean_commit(old)
 
     def run(self, task: Task) -> tuple[Path, Path, float]:
-        """Folders of what the older and the newer checkout wrote, and seconds of the newer one."""
+        """Return the output folders of both checkouts, and the newer one's seconds."""
         folder = self.folder / task.comparison.name / task.setting
         folder.mkdir(parents=True, exist_ok=True)
         files = {**FILES, "session.toml": task.comparison.text}
@@ -221,7 +221,7 @@ class Runner:
         return folder / "old", folder / "new", time.monotonic() - began
 
     def _run(self, checkout: Path, task: Task, files: dict[str, str], outputs: Path) -> None:
-        # both run in the folder of this name: paths in what they print are the same
+        # both run in a folder of this name, so that printed paths are equal
         work = outputs.with_name("work")
         for folder in (work, outputs):
             shutil.rmtree(folder, ignore_errors=True)
@@ -231,7 +231,7 @@ class Runner:
             if text or name != "session.toml":
                 (work / name).write_text(text, encoding="utf-8")
         programs = checkout / ".venv" / "bin"
-        # first in the path: so that it calls itself by its name, not by this path
+        # first in the path, so that it prints its name and not this path
         path = os.pathsep.join([str(programs), os.environ.get("PATH", "")])
         environment = {**os.environ, "COLUMNS": "100", "PATH": path}
         for number, command in enumerate(task.commands, start=1):
@@ -252,7 +252,7 @@ class Runner:
 
 
 def _clean_commit(checkout: Path) -> str | None:
-    """Commit of a checkout without changes of its own, else None."""
+    """Return the commit of a checkout without local changes, else None."""
     git = ["git", "-C", str(checkout)]
     commit, changes = (
         subprocess.run([*git, *arguments], capture_output=True, text=True, check=False).stdout
@@ -262,7 +262,7 @@ def _clean_commit(checkout: Path) -> str | None:
 
 
 def exit_codes(task: Task, outputs: Path) -> list[tuple[str, bool]]:
-    """Exit code of each command, and whether it is as meant: refused (from 2 on) or not."""
+    """Return each command's exit code, and whether it is expected (rejected: 2 or more)."""
     paths = sorted((outputs / "printed").glob("*.exit.txt"))
     codes = [path.read_text().strip() for path in paths]
     return [
@@ -274,9 +274,9 @@ def exit_codes(task: Task, outputs: Path) -> list[tuple[str, bool]]:
 def report(
     task: Task, old: Path, new: Path, seconds: float, rewording: Rewording | None
 ) -> tuple[bool, list[str]]:
-    """Print a task's line of the table and what differs.
+    """Print a task's line of the table and its differences.
 
-    Returns whether all is the same, and lines on the commands that ended in another way than meant.
+    Return whether all is equal, and lines on commands that did not end as expected.
     """
     codes = exit_codes(task, new)
     differing = list(compare_folders(old, new, rewording))
@@ -301,7 +301,7 @@ def report(
 
 
 def main() -> int:
-    """Run the program; its exit code."""
+    """Run the program and return its exit code."""
     options = _parser().parse_args()
     old, new = options.old.resolve(), options.new.resolve()
     for checkout in (old, new):

@@ -1,10 +1,10 @@
-"""Adds to an SBOM (CycloneDX, JSON) the shared libraries that lie inside the packages.
+"""Add to an SBOM (CycloneDX, JSON) the shared libraries that lie inside the packages.
 
     python -m scripts.sbom sbom.json ENVIRONMENT
 
-Wheels bring libraries along that their metadata do not name: libx264 in PyAV's, OpenSSL in
-OpenCV's. Each becomes a component of its package, with the hash of the package's own list of files.
-What licence they have, no wheel says: THIRD_PARTY.md does.
+Wheels bring libraries that their metadata do not name: libx264 in PyAV's, OpenSSL in OpenCV's. Each
+becomes a component of its package, with the hash from the package's own list of files. Wheels do
+not state the licences, which are in THIRD_PARTY.md.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ FILE: Final = re.compile(
     r"(?P<name>.+?)(?:-[0-9a-f]{8,})*(?:\.(?P<version>[\d.]+))?\.(?:so|dylib|dll)(?:\.(?P<after>.+))?"
 )
 FOLDER: Final = re.compile(r".+\.libs|\.dylibs")
-"""Folders in which the tools that make wheels portable put libraries."""
+"""Folders for libraries of the tools that make wheels portable."""
 
 
 def main() -> None:
-    """Change the file that is named."""
+    """Update the SBOM file."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("sbom", type=Path)
     parser.add_argument("environment", type=Path)
@@ -39,7 +39,7 @@ def main() -> None:
 
 
 def add_libraries(sbom: dict[str, Any], packages: Iterable[Distribution]) -> int:
-    """Give each component of the SBOM the libraries of its package; how many there are."""
+    """Add to each component of the SBOM the libraries of its package, and return their number."""
     of = {canonical(package.name): package for package in packages}
     n_libraries = 0
     for component in sbom["components"]:
@@ -54,7 +54,7 @@ def add_libraries(sbom: dict[str, Any], packages: Iterable[Distribution]) -> int
 
 
 def libraries_of(package: Distribution) -> list[PackagePath]:
-    """Libraries of others that a package brings along, in the order of their names."""
+    """Return bundled libraries of a package, sorted by name."""
     files = [
         file
         for file in package.files or ()
@@ -64,7 +64,7 @@ def libraries_of(package: Distribution) -> list[PackagePath]:
 
 
 def name_and_version(file: str) -> tuple[str, str]:
-    """Name of a library and the version in its file's name; empty: none.
+    """Return a library's name and version from its file name, with "" for no version.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def name_and_version(file: str) -> tuple[str, str]:
 
 
 def as_component(parent: str, file: PackagePath) -> dict[str, Any]:
-    """A library as CycloneDX writes it; `parent` names the component that it is part of."""
+    """Return a library as a CycloneDX component. `parent` identifies its package."""
     name, version = name_and_version(file.name)
     component: dict[str, Any] = {
         "type": "library",
@@ -96,7 +96,7 @@ def as_component(parent: str, file: PackagePath) -> dict[str, Any]:
 
 
 def canonical(name: str) -> str:
-    """A package's name as indexes compare it."""
+    """Normalise a package name as package indexes do."""
     return re.sub(r"[-_.]+", "-", name).lower()
 
 

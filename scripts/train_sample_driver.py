@@ -1,4 +1,4 @@
-"""Train the estimator of the sample's simulated observer, which page Driver offers there.
+"""Train the estimator of the sample's simulated observer, which the page Driver offers.
 
 python -m scripts.train_sample_driver     # writes nvcore/driver/models/sample.npz
 """
@@ -20,7 +20,7 @@ NAME: Final = "sample"
 
 
 def main() -> None:
-    """Train on the sample's simulated trials, and say how well that went."""
+    """Train on the sample's simulated trials, and print the errors."""
     with TemporaryDirectory() as folder:
         features = Path(folder) / "features.csv"
         image_features(SAMPLE / "study", SAMPLE / "study" / "boxes.csv", features)

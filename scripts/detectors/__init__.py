@@ -1,1 +1,1 @@
-"""How the detectors that ship and those of docs/validation.md are trained and measured."""
+"""Training and evaluation of the detectors that ship and of those in docs/validation.md."""

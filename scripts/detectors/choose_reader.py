@@ -1,11 +1,11 @@
-"""Choose the settings of what reads speed limits, without a look at what they are tested on.
+"""Choose the settings of the speed-limit classifier without using the test data.
 
     python -m scripts.detectors.choose_reader
 
-Trains on crops and scenes of the training, of which every fourth crop is put aside, and reads
-these crops, as they are and with boxes moved by up to 8 %, and the scenes for choosing. The best
-setting has the highest mean of the three shares (three minutes on a free core). Then
-`scripts.detectors.train_signs --reader` measures it on what is for testing.
+The script trains on training crops and scenes except every fourth crop, and reads these held-out
+crops, unchanged and with boxes moved by up to 8 %, and the scenes for choosing. The best setting
+has the highest mean of the three shares (three minutes on a free core). Then
+`scripts.detectors.train_signs --reader` measures it on the test data.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ VARIANTS: Final = [
 
 
 def right_share(reader: Classifier, boxes: Boxes) -> float:
-    """Share of the limits that are read right."""
+    """Return the share of limits that are read right."""
     is_right = [
         reader.classes[i] == limit
         for picture, of_picture, limits in boxes
@@ -56,7 +56,7 @@ def right_share(reader: Classifier, boxes: Boxes) -> float:
 
 
 def of_crops(crops: Sequence[Crop], share: float) -> Boxes:
-    """Each crop with its box, moved by up to a share of its sides."""
+    """Yield each crop with its box, moved by up to a share of its sides."""
     rng = np.random.default_rng(SEED)
     for crop in crops:
         box = moved(crop.box, share, rng)[None]
@@ -64,12 +64,12 @@ def of_crops(crops: Sequence[Crop], share: float) -> Boxes:
 
 
 def of_scenes(scenes: Sequence[SignScene]) -> Boxes:
-    """Each scene with the boxes of its speed limits."""
+    """Yield each scene with the boxes of its speed limits."""
     return ((scene.read(), scene.boxes, scene.limits) for scene in scenes if scene.limits)
 
 
 def main() -> None:
-    """Train and read with each variant."""
+    """Train and test each variant."""
     folder = realdata()
     of_training = examples(folder, choosing=True)
     limits = [crop for crop in of_training.crops if crop.is_speed_limit]

@@ -1,11 +1,11 @@
-"""What each setting of the speed-sign detector brings, in accuracy and in time.
+"""Measure the effect of each setting of the speed-sign detector on accuracy and time.
 
     python -m scripts.detectors.sign_ablation [--out docs/validation.md]
 
-Trains a small model on half of the training scenes and crops, again with one setting changed, and
-measures each on the scenes on which settings are chosen; those for testing are not touched. What
-a run alone decides is changed without training again. Some fifty minutes on two free cores. Data
-as for `scripts.detectors.train_signs`.
+The script trains a small model on half of the training scenes and crops, again with one setting
+changed, and measures each on the scenes for choosing settings. The test scenes are not used.
+Settings of a run are changed without another training. It takes about fifty minutes on two free
+cores. Data as for `scripts.detectors.train_signs`.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ BASE: Final = replace(
     slack=0.0,
 )
 FEW: Final = -5.0
-"""A threshold of the score for cascades that let through more windows than suppression likes."""
+"""Score threshold for cascades that pass too many windows for suppression."""
 SECTION: Final = ("<!-- sign ablation: begin -->", "<!-- sign ablation: end -->")
 
 
@@ -47,17 +47,17 @@ class Row:
     Attributes
     ----------
     name
-        In words.
+        Description for people.
     trained
-        Settings of the training that differ.
+        Changed settings of the training.
     run
-        Settings of the run that differ.
+        Changed settings of the run.
     crops
-        Whether crops are trained on.
+        Whether the training uses crops.
     seed
-        Of the training.
+        Seed of the training.
     lowest
-        Threshold of the score.
+        Score threshold.
     """
 
     name: str
@@ -69,7 +69,7 @@ class Row:
 
 
 def _window(side: int) -> dict[str, Any]:
-    """A window of another size that finds signs of the same sizes as before."""
+    """Return settings with another window size that finds signs of the same sizes."""
     by = side / BASE.window_width
     return {
         "window_width": side,
@@ -83,7 +83,7 @@ def _window(side: int) -> dict[str, Any]:
 RIGHT_HALF: Final = (0.5, 0.15, 1.0, 0.15, 1.0, 0.75, 0.5, 0.75)
 """Corners as shares of width and height."""
 SMALL_TOO: Final = tuple(round(0.33 * 1.15**i, 4) for i in range(15))
-"""Of a window of 64 px: the sizes that the base finds in windows of 32 px."""
+"""Scales for a window of 64 px that find the same sizes as the base with 32 px."""
 AS_REPORTED: Final = {spec.name: getattr(AS_IN_REPORT, spec.name) for spec in fields(IcfSettings)}
 ROWS: Final = (
     Row("base"),
@@ -128,11 +128,11 @@ ROWS: Final = (
     Row("polygon: the right half, no sky, no bonnet", run={"region": RIGHT_HALF}),
     Row("only windows with red", run={"proposals": "red"}),
 )
-"""Each setting that the report names as an improvement, and what is ours."""
+"""Each setting that the report names as an improvement, and our additional ones."""
 
 
 def ablation(of: Examples, scenes: list[SignScene]) -> list[str]:
-    """Rows of the table, as Markdown; seconds are of processor time, all cores together."""
+    """Return the table as Markdown rows. Seconds are processor time summed over cores."""
     lines = [
         "| | PR-AUC | 95 % interval | missed at a precision of 95 % | windows a scene "
         "| features a window | s a scene | training, s |",
@@ -165,7 +165,7 @@ def _line(row: Row, m: Measured, seconds: float | None) -> str:
 
 
 def main() -> None:
-    """Print the table, and write it between its marks."""
+    """Print the table, and write it between its markers."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,8 +1,8 @@
-"""German traffic signs as scenes to train on: GTSDB scenes and GTSRB crops, and how they are split.
+"""German traffic signs for training (GTSDB scenes and GTSRB crops) and their split.
 
-The scenes of `gtsdb/report` are for testing only. Those of `gtsdb/train` are split by their number:
-of four, one is for testing, one for choosing settings, two for training; the final model is trained
-on all but those for testing. Of the crops, every third is held out.
+Scenes in `gtsdb/report` are for testing only. Of every four scenes in `gtsdb/train`, by number, one
+is for testing, one for choosing settings, and two are for training. The final model is trained on
+all but the test scenes. Every third crop is held out.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from nvcore.detectors.icf.windows import LazyScenes
 
 _LIMITS: Final = ("20", "30", "50", "60", "70", "80", "", "100", "120")
 SPEED_LIMITS: Final = {number: limit for number, limit in enumerate(_LIMITS) if limit}
-"""What each class of a speed limit says, km/h."""
+"""Limit shown by each speed-limit class, km/h."""
 TESTED, CHOOSING = 0, 1
-"""Scenes by their number modulo 4."""
+"""Roles of scenes by their number modulo 4."""
 ALIKE: Final = 0.85
-"""Normalised cross-correlation from which a crop is taken for the sign of a test scene."""
+"""Minimum normalised cross-correlation at which a crop counts as the sign of a test scene."""
 _COMPARED_PX: Final = 32
 
 
 @dataclass(frozen=True)
 class SignScene:
-    """A road scene: its picture, the boxes of speed limits, (n, 4), and what these say."""
+    """Road scene: picture, boxes of speed limits, (n, 4), and the limits they show."""
 
     path: Path
     boxes: np.ndarray
@@ -40,17 +40,17 @@ class SignScene:
 
     @property
     def number(self) -> int:
-        """In its file's name."""
+        """Number in the file name."""
         return int(self.path.stem)
 
     def read(self) -> np.ndarray:
-        """Its picture, RGB."""
+        """Read the picture as RGB."""
         return read_rgb(self.path)
 
 
 @dataclass(frozen=True)
 class Crop:
-    """A picture of one sign."""
+    """Picture of one sign."""
 
     path: Path
     box: np.ndarray
@@ -63,7 +63,7 @@ class Crop:
 
 
 class SignScenes(LazyScenes):
-    """Scenes and crops, scenes first; each read once."""
+    """Scenes followed by crops, each read once."""
 
     def __init__(self, scenes: Sequence[SignScene], crops: Sequence[Crop]) -> None:
         self._scenes, self._crops = scenes, crops
@@ -82,12 +82,12 @@ class SignScenes(LazyScenes):
 
 
 def read_rgb(path: Path) -> np.ndarray:
-    """A picture file as RGB."""
+    """Read a picture file as RGB."""
     return cv2.cvtColor(cv2.imread(str(path), cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
 
 
 def read_scenes(folder: Path) -> list[SignScene]:
-    """Scenes of a folder of GTSDB; corners are inclusive."""
+    """Read the scenes of a GTSDB folder, whose corners are inclusive."""
     boxes: dict[str, list[list[float]]] = {}
     limits: dict[str, list[str]] = {}
     for line in (folder / "gt.txt").read_text().split():
@@ -107,7 +107,7 @@ def read_scenes(folder: Path) -> list[SignScene]:
 
 
 def read_crops(folder: Path) -> list[Crop]:
-    """Crops of GTSRB, in the order of their names; corners of the sign are inclusive."""
+    """Read the crops of GTSRB, sorted by name. Corners of the sign are inclusive."""
     crops = []
     with (folder / "Test.csv").open(newline="") as file:
         for row in csv.DictReader(file):
@@ -118,7 +118,7 @@ def read_crops(folder: Path) -> list[Crop]:
 
 
 def held_out(crops: Sequence[Crop]) -> tuple[list[Crop], list[Crop]]:
-    """Crops to train on, and every third of the speed limits."""
+    """Split crops into those to train on and a third of the speed limits."""
     limits = [crop for crop in crops if crop.is_speed_limit]
     tested = limits[::3]
     names = {crop.path.name for crop in tested}
@@ -126,7 +126,7 @@ def held_out(crops: Sequence[Crop]) -> tuple[list[Crop], list[Crop]]:
 
 
 def unlike(crops: Sequence[Crop], scenes: Sequence[SignScene]) -> tuple[list[Crop], list[str]]:
-    """Crops that resemble no speed limit of these scenes, and the names of the others."""
+    """Return crops unlike all speed limits of these scenes, and the names of the others."""
     reference = np.concatenate([signs_of(scene) for scene in scenes])
     distinct, alike = [], []
     for crop in crops:
@@ -141,9 +141,9 @@ def unlike(crops: Sequence[Crop], scenes: Sequence[SignScene]) -> tuple[list[Cro
 def unlike_scenes(
     trained: Sequence[SignScene], tested: Sequence[SignScene]
 ) -> tuple[list[SignScene], list[str]]:
-    """Scenes none of whose speed limits resembles one of the tested scenes, and the others' names.
+    """Return scenes without speed limits that resemble tested ones, and the others' names.
 
-    Signs of one limit are alike by design: not every scene left out shows a sign of the tests.
+    Signs of one limit look alike by design, so not every omitted scene shows a sign of the tests.
     """
     reference = np.concatenate([signs_of(scene) for scene in tested])
     is_alike = [(signs_of(scene) @ reference.T).max(initial=-1) > ALIKE for scene in trained]
@@ -152,14 +152,14 @@ def unlike_scenes(
 
 
 def signs_of(scene: SignScene) -> np.ndarray:
-    """The speed limits of a scene, `standardised`; (n, 1024)."""
+    """Return the speed limits of a scene, `standardised`, (n, 1024)."""
     picture = scene.read() if len(scene.boxes) else None
     signs = [standardised(picture, box) for box in scene.boxes]
     return np.array(signs).reshape(-1, _COMPARED_PX**2)
 
 
 def standardised(picture: np.ndarray, box: np.ndarray) -> np.ndarray:
-    """A sign as a grey patch of mean 0 and length 1: products are normalised cross-correlations."""
+    """Return a sign as a grey patch of mean 0 and norm 1, for cross-correlation by products."""
     x, y, w, h = box.astype(int)
     grey = cv2.cvtColor(picture[y : y + h, x : x + w], cv2.COLOR_RGB2GRAY)
     size = (_COMPARED_PX, _COMPARED_PX)

@@ -1,4 +1,4 @@
-"""What a detector of speed limits is trained on, and the training."""
+"""Training data for a detector of speed limits, and its training."""
 
 from __future__ import annotations
 
@@ -27,15 +27,14 @@ EVERY = 6
 
 @dataclass(frozen=True)
 class Examples:
-    """What there is to learn, none of it for testing.
+    """Training data, without test data.
 
     Attributes
     ----------
     scenes, crops
-        Of the training.
+        Scenes and crops of the training.
     alike
-        Names of the crops and scenes that were left out, since they resemble a sign of a scene
-        for testing.
+        Names of crops and scenes left out because they resemble a sign of a test scene.
     """
 
     scenes: list[SignScene]
@@ -43,7 +42,7 @@ class Examples:
     alike: list[str]
 
     def parts(self) -> list[SignScenes]:
-        """What is trained on, and what rejection is calibrated on."""
+        """Split into training data and data for calibrating the rejection."""
         limits = [crop for crop in self.crops if crop.is_speed_limit]
         with_signs = [scene for scene in self.scenes if len(scene.boxes)]
         calibrating = {crop.path.name for crop in limits[::EVERY]}
@@ -58,14 +57,14 @@ class Examples:
 
 
 def examples(realdata: Path, *, choosing: bool, strict: bool = False) -> Examples:
-    """Scenes and crops to train on.
+    """Load scenes and crops to train on.
 
     Parameters
     ----------
     choosing
-        Leave out the scenes on which settings are chosen, too.
+        Also leave out the scenes on which settings are chosen.
     strict
-        Leave out scenes with a sign that resembles one for testing, too, not only such crops.
+        Also leave out scenes, not only crops, with a sign that resembles one for testing.
     """
     scenes = read_scenes(realdata / "gtsdb" / "train")
     tested = [scene for scene in scenes if scene.number % 4 == TESTED]
@@ -81,7 +80,7 @@ def examples(realdata: Path, *, choosing: bool, strict: bool = False) -> Example
 
 
 def train_signs(of: Examples, settings: IcfSettings = SIGNS, seed: int = SEED) -> IcfModel:
-    """A model of these examples."""
+    """Train a model on these examples."""
     parts = of.parts()
     start = perf_counter()
 

@@ -1,4 +1,4 @@
-"""How well a detector of speed limits does on scenes: curves, misses, windows, time."""
+"""Performance of a detector of speed limits on scenes: curves, misses, windows, time."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from scripts.detectors.sign_data import Crop, SignScene, read_rgb
 
 SIZE = (1360, 800)
 LEAST_PX = 20
-"""Smaller signs are neither missed nor false."""
+"""Minimum height of a sign. Smaller signs are neither missed nor false."""
 PRECISION = 0.95
 RESAMPLED = 1000
 SEED = 1
@@ -34,7 +34,7 @@ SEED = 1
 
 @dataclass(frozen=True)
 class Run:
-    """Detections of all scenes: tables as of plain CSV; windows, features, seconds that it took."""
+    """Detections of all scenes as plain CSV tables, with windows, features and seconds used."""
 
     truth: pd.DataFrame
     boxes: pd.DataFrame
@@ -44,7 +44,7 @@ class Run:
 
 
 def run(scenes: Sequence[SignScene], detector: IcfDetector) -> Run:
-    """Run a detector over scenes, at every confidence that its cascade lets through."""
+    """Run a detector over scenes at every confidence that its cascade passes."""
     truth, boxes = [], []
     n_windows = n_features = 0
     seconds = 0.0
@@ -74,7 +74,7 @@ def run(scenes: Sequence[SignScene], detector: IcfDetector) -> Run:
 
 
 def dataset_of(result: Run, n_scenes: int) -> Dataset:
-    """The run as data of the product."""
+    """Convert a run to a dataset of nvcore."""
     return nv.load(
         truth=result.truth,
         x=result.boxes,
@@ -86,7 +86,7 @@ def dataset_of(result: Run, n_scenes: int) -> Dataset:
 
 
 def read_right(dataset: Dataset) -> str:
-    """How many of the signs that are found at any confidence have their limit read right."""
+    """Return how many signs found at any confidence have their limit read right."""
     (system,) = dataset.systems
     partner = match_system(dataset, system, None, Params()).truth_det
     read = dataset.system(system).label
@@ -97,18 +97,18 @@ def read_right(dataset: Dataset) -> str:
 
 
 def missed(of: DetectionCurve) -> int:
-    """Signs missed at the lowest threshold with a precision of 95 % or more."""
+    """Count signs missed at the lowest threshold with a precision of 95 % or more."""
     reached = of.tp[of.precision >= PRECISION]
     return of.n_truth - int(reached.max(initial=0))
 
 
 def first_with_all(of: DetectionCurve) -> int:
-    """Point of the highest threshold that finds as many signs as the lowest one."""
+    """Return the point of the highest threshold that finds as many signs as the lowest one."""
     return int(np.argmax(of.tp))
 
 
 def area_interval(dataset: Dataset) -> tuple[float, float]:
-    """95 % interval of the area under the curve, by resampling scenes."""
+    """Return the 95 % interval of the area under the curve, by resampling scenes."""
     outcomes = detection_outcomes(dataset, dataset.systems[0], Params())
     truth = outcomes.truth.truth.frame_index[outcomes.truth.counts]
     n = len(dataset.frames)
@@ -133,24 +133,24 @@ def area_interval(dataset: Dataset) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Measured:
-    """How well a detector does on scenes.
+    """Performance of a detector on scenes.
 
     Attributes
     ----------
     n_scenes, n_signs
-        Scenes, and signs in them that count.
+        Numbers of scenes and of signs that count.
     area, low, high
         Area under the curve of precision and recall, with its 95 % interval.
     missed
-        At the lowest threshold with a precision of 95 % or more.
+        Misses at the lowest threshold with a precision of 95 % or more.
     recall, false_positives, fppw
-        At the highest threshold that finds all signs that any finds (`first_with_all`).
+        Values at the highest threshold that finds as many signs as any (`first_with_all`).
     miss_rate
-        Log-average.
+        Log-average miss rate.
     read_right
-        Limits of the signs found that are read right, in words.
+        Share of found signs whose limit is read right, in words.
     windows, features, seconds
-        Windows a scene, features a window, seconds of processor time a scene.
+        Windows per scene, features per window, processor seconds per scene.
     """
 
     n_scenes: int
@@ -181,7 +181,7 @@ class Measured:
 
 
 def measure(scenes: Sequence[SignScene], detector: IcfDetector) -> Measured:
-    """How well the detector does on these scenes."""
+    """Measure the performance of a detector on these scenes."""
     result = run(scenes, detector)
     dataset = dataset_of(result, len(scenes))
     curve = detection_curve(dataset, dataset.systems[0], Params())
@@ -207,7 +207,7 @@ def measure(scenes: Sequence[SignScene], detector: IcfDetector) -> Measured:
 
 
 def rejected(crops: Sequence[Crop], detector: IcfDetector) -> int:
-    """Crops whose window the cascade rejects."""
+    """Count crops whose window the cascade rejects."""
     model = detector.model
     plain = replace(model.settings, copies=0)
     rng = np.random.default_rng(SEED)
@@ -221,7 +221,7 @@ def rejected(crops: Sequence[Crop], detector: IcfDetector) -> int:
 
 
 def share_text(n_right: int, n_signs: int) -> str:
-    """A share with its 95 % interval (Wilson)."""
+    """Format a share with its 95 % interval (Wilson)."""
     if not n_signs:
         return "–"
     read = share_of(n_right, n_signs)

@@ -1,4 +1,4 @@
-"""Which limit a sign shows: trained, and measured in boxes that are given."""
+"""Reading the limit on a sign: training, and evaluation in given boxes."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from scripts.detectors.sign_examples import examples
 from scripts.detectors.sign_measures import SEED, share_text
 
 MOVED = (0.08, 0.15)
-"""Shares of their sides by which boxes are moved and resized, as those of a detector may be."""
+"""Shares of their sides by which boxes are moved and resized to imitate a detector."""
 Boxes = Iterable[tuple[np.ndarray, np.ndarray, Sequence[str]]]
-"""Pictures, the boxes in each, and what each limit says."""
+"""Pictures, their boxes, and the limit in each box."""
 
 
 def train_reader(realdata: Path) -> Classifier:
-    """The classifier alone that a model of `train_signs` has."""
+    """Train only the classifier that is part of a model of `train_signs`."""
     scenes, _ = examples(realdata, choosing=False).parts()
     start = perf_counter()
     holding = [scene for scene in scenes if scene.labels]
@@ -40,7 +40,7 @@ def train_reader(realdata: Path) -> Classifier:
 
 
 def read_in_boxes(name: str, reader: Classifier, boxes: Boxes) -> str:
-    """How many limits are read right in the boxes of the truth, in a sentence."""
+    """Describe how many limits are read right in truth boxes."""
     n_signs = n_right = 0
     for picture, of_picture, limits in boxes:
         best = reader.probabilities(picture, of_picture).argmax(axis=1)
@@ -50,7 +50,7 @@ def read_in_boxes(name: str, reader: Classifier, boxes: Boxes) -> str:
 
 
 def reading_in_truth(realdata: Path, reader: Classifier) -> list[str]:
-    """How well limits are read where the truth says that there is a sign, in sentences."""
+    """Describe how well limits are read in truth boxes."""
     scenes = read_scenes(realdata / "gtsdb" / "train")
     report = read_scenes(realdata / "gtsdb" / "report")
     tested = [scene for scene in scenes if scene.number % 4 == TESTED]
@@ -71,7 +71,7 @@ def reading_in_truth(realdata: Path, reader: Classifier) -> list[str]:
 
 
 def moved(box: np.ndarray, share: float, rng: np.random.Generator) -> np.ndarray:
-    """A box whose centre lies elsewhere and whose sides are others, by up to a share of them."""
+    """Move and resize a box at random, by up to a share of its sides."""
     across, down, growth = rng.uniform(-share, share, 3)
     size = box[2:] * (1 + growth)
     centre = box[:2] + box[2:] * (0.5 + np.array([across, down]))

@@ -1,9 +1,9 @@
-"""Train the pedestrian model of the sample recordings, which ships as `icf:sample`, or measure it.
+"""Train or evaluate the pedestrian model of the sample recordings, which ships as `icf:sample`.
 
     python -m scripts.detectors.train_sample             # writes nvcore/detectors/models/sample.npz
     python -m scripts.detectors.train_sample --evaluate  # on recordings that it was not trained on
 
-Its settings were chosen on `oncoming_glare` and `rural_child`, with a model of four others of
+The settings were chosen on `oncoming_glare` and `rural_child`, with a model of four others of
 `TRAINED`. The same versions of OpenCV and of the video library give the same bytes.
 """
 
@@ -42,13 +42,13 @@ SETTINGS: Final = {
     "negatives_per_round": 4000,
     "scales": tuple(round(0.35 * 2 ** (i / 4), 4) for i in range(19)),
 }
-"""Changes of the preset for pedestrians: those of the sample are mostly below 50 px."""
+"""Changes of the pedestrian preset, as pedestrians of the sample are mostly below 50 px."""
 NAME: Final = "ICF sample"
 EVERY: Final = 4
-"""Of the frames, so many apart, one is trained on or measured."""
+"""One in this many frames is trained on or measured."""
 SEED: Final = 1
 FPPI: Final = 0.3
-"""False positives a picture at which similarities are compared."""
+"""False positives per picture at which similarities are compared."""
 COMPARED: Final[tuple[tuple[str, Mapping[str, float]], ...]] = (
     ("icf:sample", {}),
     ("hog", {"upscale": 2}),
@@ -77,7 +77,7 @@ def train_sample(out: Path) -> None:
 
 
 def evaluate() -> None:
-    """Each detector on `TESTED`: miss rates and mean similarity, as rows of a table."""
+    """Print miss rates and mean similarity of each detector on `TESTED` as table rows."""
     part = nv.load(SESSION, frames=range(0, N_FRAMES, EVERY))
     print("| | miss rate, all | miss rate, reasonable | mean similarity |")
     print("|---|---|---|---|")
@@ -97,12 +97,12 @@ def evaluate() -> None:
 
 
 def threshold_at(curve: DetectionCurve) -> float:
-    """The lowest threshold with at most `FPPI` false positives a picture."""
+    """Return the lowest threshold with at most `FPPI` false positives per picture."""
     return float(curve.threshold[curve.fppi <= FPPI].min(initial=curve.threshold.max()))
 
 
 def main() -> None:
-    """Train, or measure."""
+    """Train or evaluate."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,13 +1,13 @@
-"""Train a detector of speed limits on real signs, and measure it on signs that it has not seen.
+"""Train a detector of speed limits on real signs, and evaluate it on held-out signs.
 
     python -m scripts.detectors.train_signs [--model FILE] [--evaluate] [--left-out FILE]
 
-Trains on the scenes and crops of `sign_data.py` (some ten minutes on two free cores), writes the
-model, and the names of what was left out because it resembles a sign of a test scene: crops,
-and with `--strict` scenes, too. `--evaluate` only measures a model that is there, `--reader` only
-trains and measures what reads the limit in a box (half a minute), and puts it into a model that is
-there. The data are those in `$NVCORE_REALDATA`; their licence is
-for research, so that models of them do not ship.
+The script trains on the scenes and crops of `sign_data.py` (about ten minutes on two free cores),
+and writes the model and the names of examples left out because they resemble a sign of a test
+scene: crops, and with `--strict` scenes as well. `--evaluate` only measures an existing model.
+`--reader` only trains and measures the classifier of limits (half a minute), and puts it into an
+existing model. The data are in `$NVCORE_REALDATA`. They are licensed for research only, so the
+models do not ship.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from scripts.detectors.sign_reading import reading_in_truth, train_reader
 from scripts.realdata import realdata
 
 LOWEST = -1e6
-"""A threshold that every window passes which the cascade lets through."""
+"""Threshold below the score of every window that passes the cascade."""
 
 PRESETS = {"signs": SIGNS, "as-in-report": AS_IN_REPORT}
 
 
 def main() -> None:
-    """Train, write, measure."""
+    """Train, write and measure."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

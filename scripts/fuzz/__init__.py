@@ -1,1 +1,1 @@
-"""A fuzzer of all that comes from outside: see `python -m scripts.fuzz --help`."""
+"""Fuzzer of all external inputs. See `python -m scripts.fuzz --help`."""

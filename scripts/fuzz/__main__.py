@@ -1,14 +1,14 @@
-"""Look for inputs that end in anything but a result or an error which says what is wrong.
+"""Search for inputs that end in neither a result nor an error that explains the problem.
 
     python -m scripts.fuzz [TARGET ...] [--seconds 600]    all targets, or these, one after another
     python -m scripts.fuzz [TARGET ...] --runs 100000      so many inputs of each, changed blindly
     python -m scripts.fuzz TARGET --again FILE             one input, with its traceback
 
-Files, requests and rules from outside are made of small ones that are read to their end, changed so
-that they run new lines of the program (atheris, which is libFuzzer for Python). A fault is: an
-exception that is not an NvcoreError, a warning, a check that does not hold, more than 2 s of the
-processor for one input, more than 1,500 MB, or the end of the process. Each target has a process of
-its own; what it learns stays in .fuzz/corpus for the next run, what it finds in .fuzz/faults.
+External files, requests and rules are derived from small valid ones by changes that reach new lines
+of the program (atheris, which is libFuzzer for Python). Faults are: an exception that is not an
+NvcoreError, a warning, a failed check, more than 2 s of processor time for one input, more than
+1,500 MB, or the end of the process. Each target has its own process. The corpus is kept in
+.fuzz/corpus for the next run, faults in .fuzz/faults.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ from scripts.fuzz.trial import COUNTED
 
 STORE = ROOT / ".fuzz"
 MOST_STARTS = 20
-"""Processes for one target, of which all but the last were ended by an input."""
+"""Maximum number of processes for one target. All but the last were ended by an input."""
 WORDS = 300
 
 
 def prepare(name: str, store: Path) -> None:
-    """Write the seeds of a target, and the words that they are made of."""
+    """Write the seeds of a target, and its dictionary of words."""
     folder = store / "seeds" / name
     folder.mkdir(parents=True, exist_ok=True)
     words: dict[bytes, None] = {}
@@ -46,7 +46,7 @@ def prepare(name: str, store: Path) -> None:
 
 
 def fuzz(name: str, seconds: float, runs: int, store: Path) -> dict[str, float]:
-    """Run one target for so long, or with so many inputs unless 0; its counts."""
+    """Run one target for a time, or for a number of inputs unless 0, and return its counts."""
     prepare(name, store)
     counts_file, log = store / f"{name}.json", store / f"{name}.log"
     counts_file.unlink(missing_ok=True)
@@ -88,7 +88,7 @@ def try_again(name: str, file: Path) -> None:
 
 
 def main() -> int:
-    """Fuzz, print the counts; 1 if there is a fault."""
+    """Fuzz, print the counts, and return 1 if there is a fault."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,8 +1,8 @@
-"""Targets for files that are made of members, which are changed before they are packed anew.
+"""Targets for archive-based model files, whose members are changed before repacking.
 
-An input is a list of changes to the sample's model, a line each. A line of its JSON names the
-value, and has JSON, or none, to stand there; a line of an array has a place and bytes in
-hexadecimal digits, after ``=`` to stand there, after ``+`` or ``-`` to be put in, or taken out:
+An input is a list of changes to the sample's model, one per line. A line for the JSON names a value
+and gives its replacement as JSON, or nothing. A line for an array gives an offset and hexadecimal
+bytes, after ``=`` to overwrite, after ``+`` to insert, or after ``-`` to remove:
 
     /settings/overlap [0.5]
     leaves 128=00000000000000f0
@@ -34,7 +34,7 @@ _MOST_CHANGES: Final = 16
 
 
 def changed(content: bytes, room: str) -> bytes:
-    """The sample's model of this room, changed and packed anew."""
+    """Return the sample's model of this kind with changes, repacked."""
     members = dict(_sample_members(room))
     about = json.loads(members["about"])
     texts: list[bytes] = []
@@ -64,13 +64,13 @@ def changed(content: bytes, room: str) -> bytes:
 
 
 def changes(room: str) -> Iterator[bytes]:
-    """Each value of the JSON as it is and as a list, each array with bytes in three places."""
+    """Yield each JSON value unchanged and as a list, and each array changed in three places."""
     yield b""
     members = _sample_members(room)
     lines = []
     for path, value in _values(json.loads(members["about"])):
-        text = json.dumps(value)  # what is long has values that come by themselves
-        if len(text) < 100:  # read, as the later one stands; the line before is there to be left
+        text = json.dumps(value)  # long values contain shorter ones that are yielded by themselves
+        if len(text) < 100:  # the later line wins; the earlier one can be mutated away
             lines.append(f"{path} [{text}]\n{path} {text}")
     for start in range(0, len(lines), _MOST_CHANGES // 2):
         yield "\n".join(lines[start : start + _MOST_CHANGES // 2]).encode()
@@ -82,19 +82,19 @@ def changes(room: str) -> Iterator[bytes]:
 
 @cache
 def _sample_members(room: str) -> dict[str, bytes]:
-    """JSON and arrays, as files, of the sample's model."""
+    """Return JSON and arrays of the sample's model as files."""
     path = Path(driver_file.__file__).parents[2] / room / "models" / "sample.npz"
     with zipfile.ZipFile(path) as archive:
         members = {name.removesuffix(".npy"): archive.read(name) for name in archive.namelist()}
     stored = np.lib.format.read_array(io.BytesIO(members["about"]), allow_pickle=False)
     about = json.loads(stored.tobytes())
-    if "settings" in about:  # a picture takes as long as all of its scales
+    if "settings" in about:  # all scales together take too long for one picture
         about["settings"]["scales"] = [1.0, 1.5]
     return members | {"about": json.dumps(about).encode()}
 
 
 def _place(about: Any, path: list[str]) -> tuple[Any, Any]:
-    """What holds the value of a path, and its key there; None: there is none."""
+    """Return the container of a path's value, and its key there, or None if there is none."""
     holder: Any = None
     key: Any = None
     part: Any = about
@@ -109,7 +109,7 @@ def _place(about: Any, path: list[str]) -> tuple[Any, Any]:
 
 
 def _values(part: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """Every value of JSON by its path."""
+    """Yield every JSON value with its path."""
     for key, value in part.items() if isinstance(part, dict) else enumerate(part):
         yield f"{path}/{key}", value
         if isinstance(value, dict | list):
@@ -123,7 +123,7 @@ def _picture() -> np.ndarray:
 
 @target(partial(changes, "detectors"), share=1.0, most_bytes=1024, mutate=mutated_text)
 def detectors(content: bytes, _folder: Path) -> None:
-    """A changed detector: read, written as it was read, run on a small picture."""
+    """Read a changed detector, check its round trip, and run it on a small picture."""
     model = from_bytes(changed(content, "detectors"), "model.npz")
     written = to_bytes(model)
     assert to_bytes(from_bytes(written, "again.npz")) == written, "another model"
@@ -133,7 +133,7 @@ def detectors(content: bytes, _folder: Path) -> None:
 
 @target(partial(changes, "driver"), share=1.0, most_bytes=1024, mutate=mutated_text)
 def estimators(content: bytes, _folder: Path) -> None:
-    """A changed estimator: read, written as it was read, asked for estimates."""
+    """Read a changed estimator, check its round trip, and compute estimates."""
     estimator = driver_file.from_bytes(changed(content, "driver"), "model.npz")
     written = driver_file.to_bytes(estimator)
     again = driver_file.from_bytes(written, "again.npz")

@@ -1,4 +1,4 @@
-"""A target of the fuzzer, and what its functions share: files, lines of TOML, changes to text."""
+"""Fuzzer targets and their shared helpers: files, lines of TOML, changes to text."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Read = TypeVar("Read")
 Run = Callable[[bytes, Path], None]
 Mutator = Callable[[bytes, Random], bytes]
 PARTS: Final = b"\n%%\n"
-"""Between the files of one input."""
+"""Separator between the files of one input."""
 ROOT: Final = Path(__file__).resolve().parents[2]
 DATA: Final = ROOT / "tests" / "data"
 SAMPLE: Final = ROOT / "sample_data"
@@ -26,15 +26,15 @@ _ODD: Final = (
     *(b'"', b"'", b"''", b"\n", b",", b";", b"\t", b"[", b"[[", b"]", b"=", b".", b"{", b"(" * 300),
     *(b"\0", b"\xff", b"=1+1", b"\xe2\x80\xa8", b"\xd9\xa1", b"\xef\xbb\xbf", b"\xc3\xa4"),
 )
-"""In place of a word, or beside one."""
+"""Replacements and insertions for words."""
 
 
 @dataclass(frozen=True)
 class Target:
-    """One entrance for files from outside: (content, empty folder) -> None, or an error.
+    """Entry point for external files: (content, empty folder) -> None, or an error.
 
-    `seeds` are inputs that it begins with, or make some; `share` is of the time of a run, and
-    `mutate` changes inputs in ways that make sense, beside libFuzzer's own.
+    `seeds` are initial inputs, or functions that make some. `share` is the share of a run's time,
+    and `mutate` changes inputs in meaningful ways, in addition to libFuzzer's own mutations.
     """
 
     run: Run
@@ -44,12 +44,12 @@ class Target:
     mutate: Mutator | None
 
     def first_inputs(self) -> list[bytes]:
-        """All seeds."""
+        """Return all seeds."""
         return [one for of in self.seeds for one in ([of] if isinstance(of, bytes) else of())]
 
 
 TARGETS: Final[dict[str, Target]] = {}
-"""By name, as for the command line."""
+"""Targets by name, as on the command line."""
 
 
 def target(
@@ -58,7 +58,7 @@ def target(
     most_bytes: int = 8192,
     mutate: Mutator | None = None,
 ) -> Callable[[Run], Run]:
-    """Make a function a target, by its name."""
+    """Register a function as a target under its name."""
 
     def listed(run: Run) -> Run:
         TARGETS[run.__name__] = Target(run, seeds, share, most_bytes, mutate)
@@ -68,7 +68,7 @@ def target(
 
 
 def written(folder: Path, name: str, content: bytes) -> Path:
-    """A file with this content."""
+    """Write a file and return its path."""
     path = folder / name
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(content)
@@ -76,7 +76,7 @@ def written(folder: Path, name: str, content: bytes) -> Path:
 
 
 def read_toml(read: Callable[[Path], Read], path: Path) -> Read:
-    """Read a TOML file; few inputs are TOML: lines that keep it from being so are dropped."""
+    """Read a TOML file, dropping invalid lines, since few inputs are valid."""
     try:
         return read(path)
     except InputError as error:
@@ -87,7 +87,7 @@ def read_toml(read: Callable[[Path], Read], path: Path) -> Read:
 
 
 def without_bad_lines(content: bytes) -> bytes:
-    """The text without the lines that are no TOML."""
+    """Drop the lines that are not TOML."""
     lines = content.decode("utf-8", "ignore").splitlines()
     while lines:
         try:

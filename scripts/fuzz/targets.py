@@ -1,9 +1,9 @@
-"""Targets for annotations, comparisons, archives, media and requests; the others are imported.
+"""Targets for annotations, comparisons, archives, media and requests. The others are imported.
 
-Each takes bytes and an empty folder, and may refuse them or return.
+Each takes bytes and an empty folder, and may reject them or return.
 
-A refusal is an `nvcore.errors.NvcoreError`. Any other exception is a fault, an AssertionError of
-the checks below among them.
+A rejection is an `nvcore.errors.NvcoreError`. Any other exception is a fault, including an
+AssertionError of the checks below.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg
 from nvcore.report.terminal import render_findings
 from nvcore.schema import READING_DTYPES
-from scripts.fuzz import models, texts  # noqa: F401  # they have targets
+from scripts.fuzz import models, texts  # noqa: F401  # these modules register targets
 from scripts.fuzz.target import DATA, PARTS, SAMPLE, TARGETS, target, written
 from ui.session.routes import routes_below
 from ui.session.uploads import safe_name
@@ -65,14 +65,14 @@ NAMES: Final = (
     "drive1/000007.xml",
     "det.tsv",
 )
-"""What a file of annotations may be called: some formats take names of recordings from there."""
+"""Names of annotation files, as some formats take recording names from them."""
 LONGEST: Final = 6000
-"""Bytes of a text that is taken whole as a seed; of a longer one its first lines."""
+"""Maximum size of a text that is used as a whole seed. Longer ones are cut to their first lines."""
 MAX_FRAMES: Final = 100_000
 MAX_UNPACKED_BYTES: Final = 1 << 22
 SMALL: Final = ArchiveLimits(members=200, member_bytes=1 << 22, total_bytes=1 << 23)
 ANSWERS: Final = frozenset({200, 201, 307, 400, 403, 404, 405, 413, 415, 507})
-"""Statuses that the app's own routes may give."""
+"""Statuses that the app's own routes may return."""
 
 
 _VIDEOS: Final = (
@@ -87,7 +87,7 @@ _VIDEOS: Final = (
 
 
 def _annotations_seeds() -> Iterator[bytes]:
-    """Each file of the tests' data under each fitting name, its format named and not."""
+    """Yield each test data file under each suitable name, with and without its format."""
     folders = {form.name.replace("-", "_"): number for number, form in enumerate(FORMATS, 1)}
     folders |= {"coco": [form.name for form in FORMATS].index("coco") + 1}
     for file in sorted(DATA.rglob("*")):
@@ -107,7 +107,7 @@ def _annotations_seeds() -> Iterator[bytes]:
 
 
 def _comparisons_seeds() -> Iterator[bytes]:
-    """Truth and detections, as plain CSV with names of recordings and without, and as MOT."""
+    """Yield truth and detections, as plain CSV with and without recording names, and as MOT."""
     truth, fir, nir = (
         _short((SAMPLE / f"{name}.csv").read_bytes(), 1500) for name in ("truth", "fir", "nir")
     )
@@ -120,7 +120,7 @@ def _comparisons_seeds() -> Iterator[bytes]:
 
 
 def _parquet_files_seeds() -> Iterator[bytes]:
-    """Of few rows: in groups, with texts by dictionary and by what they begin with, with nulls."""
+    """Yield small Parquet files with row groups, several text encodings, and nulls."""
     boxes = {"frame": [1, 2, 2], "x": [1.5, 2.0, None], "y": [0, 1, 2], "w": [9] * 3, "h": [20] * 3}
     names = {"recording": ["a", "b", "b"], "id": ["p1", None, "7"]}
     flags = {"score": [0.5, None, 1.0], "ignore": [True, False, None], "class": ["person"] * 3}
@@ -138,7 +138,7 @@ def _parquet_files_seeds() -> Iterator[bytes]:
 
 
 def _archives_seeds() -> Iterator[bytes]:
-    """Packed and stored, with folders, without a file, and the tables of 64 bits."""
+    """Yield archives: compressed and stored, with folders, empty, and ZIP64."""
     yield _zipped({"gt.txt": b"1,1,10,10,5,5,1,1,1\n" * 9})
     yield _zipped({"a/gt/gt.txt": b"1", "a/seqinfo.ini": b"[Sequence]\n", "__MACOSX/x": b"2"}, 0)
     yield _zipped({})
@@ -151,7 +151,7 @@ def _archives_seeds() -> Iterator[bytes]:
 
 
 def _packed_seeds() -> Iterator[bytes]:
-    """A table packed by each method, whole and in two parts."""
+    """Yield a table compressed by each method, whole and in two parts."""
     rows = b"frame,x,y,w,h,track\n" + b"".join(b"%d,100,200,40,100,1\n" % i for i in range(30))
     methods: tuple[Callable[[bytes], bytes], ...] = (
         gzip.compress,
@@ -165,12 +165,12 @@ def _packed_seeds() -> Iterator[bytes]:
 
 
 def _zstd(content: bytes) -> bytes:
-    """The content packed by Zstandard."""
+    """Compress content with Zstandard."""
     return bytes(pa.Codec("zstd").compress(content))
 
 
 def _media_seeds() -> Iterator[bytes]:
-    """Pictures in each format, in an archive, and short videos in each container."""
+    """Yield pictures in each format, in an archive, and short videos in each container."""
     grey = (np.arange(32 * 24).reshape(24, 32) % 251).astype(np.uint8)
     pictures = (
         (".png", grey),
@@ -192,7 +192,7 @@ def _media_seeds() -> Iterator[bytes]:
 
 
 def _video(container: str, codec: str, picture: np.ndarray) -> bytes:
-    """Five pictures of 32 x 24 pixels."""
+    """Encode five pictures of 32 x 24 pixels."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "video"
         with av.open(str(path), "w", format=container) as output:
@@ -208,7 +208,7 @@ def _video(container: str, codec: str, picture: np.ndarray) -> bytes:
 
 
 def _requests_seeds() -> Iterator[bytes]:
-    """To each route."""
+    """Yield a request to each route."""
     png = bytes(cv2.imencode(".png", np.zeros((4, 4), np.uint8))[1])
     same = b"host: h:1\norigin: http://h:1\nsec-fetch-site: same-origin\n"
     yield b"PUT /nv/TOKEN/upload/pictures?name=a%2Fb.png\n" + same + b"\n" + png
@@ -224,7 +224,7 @@ def _requests_seeds() -> Iterator[bytes]:
 
 
 def _zipped(members: dict[str, bytes], method: int = zipfile.ZIP_DEFLATED) -> bytes:
-    """An archive of these files."""
+    """Return an archive of these files."""
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", method) as archive:
         for name, content in members.items():
@@ -233,7 +233,7 @@ def _zipped(members: dict[str, bytes], method: int = zipfile.ZIP_DEFLATED) -> by
 
 
 def _short(content: bytes, longest: int = LONGEST) -> bytes:
-    """The content, cut after a line where it is long."""
+    """Cut long content at the end of a line."""
     if len(content) <= longest:
         return content
     return content[: content.rfind(b"\n", 0, longest) + 1]
@@ -241,9 +241,9 @@ def _short(content: bytes, longest: int = LONGEST) -> bytes:
 
 @target(_annotations_seeds, share=4.0)
 def annotations(content: bytes, folder: Path) -> None:
-    """One file, or several, of one source; its format named or not, its role and options by bits.
+    """Read one source of one or several files, with its format, role and options chosen by bytes.
 
-    The first three bytes choose the format (0: by the content), the name, and the options.
+    The first three bytes choose the format (0: detect it), the name, and the options.
     """
     if len(content) < 3:
         return
@@ -284,7 +284,7 @@ def _check_reading(reading: Reading, n_files: int) -> None:
 
 @cache
 def _some_truth() -> Reading:
-    """Recordings and pictures that detections may name."""
+    """Return recordings and pictures that detections may name."""
     source = Source((str(DATA / "coco" / "kaist.json"),))
     files, file_format = find_files(source, DATA, "truth")
     return file_format.read(files, read_options(source, "truth", None, None, PEDESTRIAN))
@@ -292,7 +292,7 @@ def _some_truth() -> Reading:
 
 @target(_comparisons_seeds, share=1.5)
 def comparison(content: bytes, folder: Path) -> None:
-    """Truth and detections of one or two systems: read, audited, compared."""
+    """Read, audit and compare truth and detections of one or two systems."""
     parts = content.split(PARTS)[:3]
     if len(parts) < 2:
         return
@@ -318,7 +318,7 @@ def comparison(content: bytes, folder: Path) -> None:
 
 @target(_parquet_files_seeds, share=1.0)
 def parquet(content: bytes, folder: Path) -> None:
-    """A Parquet file, as truth and as detections."""
+    """Read a Parquet file as truth and as detections."""
     path = written(folder, "a.parquet", content)
     form = next(form for form in FORMATS if form.name == "parquet")
     for role in form.roles:
@@ -327,7 +327,7 @@ def parquet(content: bytes, folder: Path) -> None:
 
 @target(_archives_seeds, share=1.0, most_bytes=1 << 15)
 def archives(content: bytes, folder: Path) -> None:
-    """An archive: checked, read, unpacked below a folder and nowhere else."""
+    """Check, read and unpack an archive, which must stay below its folder."""
     path = written(folder, "packed.zip", content)
     with Archive(path, SMALL) as archive:
         sizes = [len(archive.read(name)) for name in archive.names]
@@ -343,7 +343,7 @@ def archives(content: bytes, folder: Path) -> None:
 
 @target(_packed_seeds, share=0.75)
 def packed(content: bytes, folder: Path) -> None:
-    """A packed file of annotations: unpacked, and read."""
+    """Decompress and read a file of annotations."""
     path = written(folder, "truth.csv.gz", content)
     with SourceFile(path, path.name).open() as stream:
         n_bytes = 0
@@ -359,7 +359,7 @@ def packed(content: bytes, folder: Path) -> None:
 
 @target(_media_seeds, share=2.0, most_bytes=1 << 16)
 def media(content: bytes, folder: Path) -> None:
-    """A picture, video or archive of pictures: its header, its first pictures and its last."""
+    """Read a picture, video or archive of pictures: header, first pictures and last."""
     path = written(folder, "pictures.bin", content)
     pictures = open_pictures(path)
     try:
@@ -374,9 +374,9 @@ def media(content: bytes, folder: Path) -> None:
 
 @target(_requests_seeds, share=1.0)
 def routes(content: bytes, _folder: Path) -> None:
-    """A request to the app's routes: method, path?query, header lines, an empty line, the body.
+    """Send a request to the app's routes: method, path?query, header lines, empty line, body.
 
-    TOKEN in the path is the session's own.
+    TOKEN in the path stands for the session's own token.
     """
     app, space = _served()
     head, _, body = content.partition(b"\n\n")
@@ -412,7 +412,7 @@ def routes(content: bytes, _folder: Path) -> None:
 
 @cache
 def _served() -> tuple[Any, Any]:
-    """An app with the routes, and a workspace with a picture."""
+    """Return an app with the routes, and a workspace with a picture."""
     space = Workspace()
     space.pictures = RecordingPictures({0: _OnePicture()}, {0: np.array([0, -1])})
     return Starlette(routes=routes_below("")), space

@@ -1,6 +1,6 @@
-"""Targets for text: tables, rules, TOML, names and answers, each with small inputs that are read.
+"""Targets for text: tables, rules, TOML, names and answers, each with small valid seeds.
 
-Those of several files, as trials with their features, have `PARTS` between the files.
+Seeds of several files, such as trials with their features, have `PARTS` between the files.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ _QUICK_RANGE: Final = SimpleNamespace(
     sf=lambda q, k, df: scipy.stats.t.sf(q / 2**0.5, df) * k * (k - 1),
     ppf=lambda p, k, df: 2**0.5 * scipy.stats.t.isf((1 - p) / (k * (k - 1)), df),
 )
-"""Bonferroni's bounds instead of the studentised range, of which a quantile takes 0.1 s."""
+"""Bonferroni's bounds replace the studentised range, whose quantiles take 0.1 s."""
 _text: Final = partial(target, mutate=mutated_text)
 _NAMES: Final = (
     b"000001.png\n000002.png\n000003.jpg\n",
@@ -102,11 +102,11 @@ _RESULTS: Final = {
         ["recording", "fps", "unit", "tags"],
     ),
 }
-"""Of a scan: what `worst` finds below its folder."""
+"""Files of a scan that `worst` finds below its folder."""
 
 
 def _trials_seeds() -> Iterator[bytes]:
-    """Two subjects and two pictures, separated by commas and by semicolons."""
+    """Yield two subjects and two pictures, separated by commas and by semicolons."""
     rows = [
         f"{subject},1,{i},{i},{image}.png,p,{period},{period},{touch},0.7,{not_seen},{device}"
         for subject, device in (("s1", "touch"), ("s2", "simulated"))
@@ -127,7 +127,7 @@ def _trials_seeds() -> Iterator[bytes]:
 
 @_text(b"time_s,lux\n-1.0,1000\n0.0,900.5\n0.1,10\n", b"lux;time_s;note\n1000,5;0,0;day\n10;0,1;\n")
 def light(content: bytes, folder: Path) -> None:
-    """Readings of a light meter: at times, and since when there are any."""
+    """Read a light meter, and look up readings and stretches at some times."""
     readings = read_light(written(folder, "lux.csv", content))
     levels, since_s = readings.at(_TIMES_S), readings.since_s(_TIMES_S)
     assert (np.isnan(levels) == np.isnan(since_s)).all(), "a level without a reading"
@@ -138,7 +138,7 @@ def light(content: bytes, folder: Path) -> None:
 
 @_text(b"frame,x,y\n212,960.5,540\n3,-5,2000\n", b"y;x;frame\n540,5;960;-7\n", share=0.25)
 def gaze(content: bytes, folder: Path) -> None:
-    """Fixations: in frames that have one and in others."""
+    """Read a gaze file, and look up fixations in frames with and without one."""
     fixations = read_gaze(written(folder, "gaze.csv", content))
     assert (np.diff(fixations.frame) > 0).all(), "frames that are not sorted"
     frames = np.append(fixations.frame, [-(2**62), 0, 2**62])
@@ -151,7 +151,7 @@ def gaze(content: bytes, folder: Path) -> None:
     b"drive,1,300,200,30,80,4,0.5,0.1,0,1.5\ndrive,2,301,200,30,80,4,,,1,\n"
 )
 def estimates(content: bytes, folder: Path) -> None:
-    """A file of estimates of detectability."""
+    """Read a file of detectability estimates."""
     path = written(folder, "detectability.csv", content)
     table = read_detectability(SourceFile(path, path.name))
     known = table["detectability"].dropna()
@@ -160,7 +160,7 @@ def estimates(content: bytes, folder: Path) -> None:
 
 @_text(_trials_seeds, share=1.0)
 def trials(content: bytes, folder: Path) -> None:
-    """Trials and features, perhaps boxes: judged and joined."""
+    """Read, judge and join trials and features, with or without boxes."""
     names = ("trials.csv", "features.csv", "boxes.csv")
     parts = zip(names, content.split(PARTS), strict=False)
     paths = [written(folder, name, part) for name, part in parts]
@@ -178,7 +178,7 @@ def trials(content: bytes, folder: Path) -> None:
     b"image;pedestrian;x;y;w;h;note\nb.png;p;-1;1,5;4;2;dark\n",
 )
 def boxes(content: bytes, folder: Path) -> None:
-    """A study's table of boxes, in a folder with two pictures."""
+    """Read a study's table of boxes in a folder with two pictures."""
     for name in ("a.png", "b.png"):
         written(folder, name, PICTURE)
     pictures = read_pictures(written(folder, "boxes.csv", content).parent)
@@ -193,7 +193,7 @@ def boxes(content: bytes, folder: Path) -> None:
     b"participant;clip;system;rating;delay_s\nann;a;x;1,5;2\nann;a;y;3;2\nben;a;x;2;-\n",
 )
 def ratings(content: bytes, _folder: Path) -> None:
-    """Ratings of clips: read, ranked, compared with each other."""
+    """Read ratings of clips, rank them and compare them with each other."""
     table = parse_ratings(content, name="ratings.csv")
     agreement = measure_agreement(rank_ratings(table))
     assert math.isnan(agreement.w) or -1e-9 <= agreement.w <= 1 + 1e-9, "no share"
@@ -207,7 +207,7 @@ def ratings(content: bytes, _folder: Path) -> None:
     most_bytes=2000,
 )
 def answers(content: bytes, _folder: Path) -> None:
-    """What a participant's browser sends as an answer."""
+    """Parse a participant's answer as sent by the browser."""
     answer = answer_of(sent_by_browser(content), "a screen")
     assert math.isfinite(answer.measured_s + answer.shown_s), "no number"
     assert math.isnan(answer.touch_x) == math.isnan(answer.touch_y), "half a touch"
@@ -217,7 +217,7 @@ def answers(content: bytes, _folder: Path) -> None:
 
 @_text(*_NAMES, most_bytes=2048)
 def names(content: bytes, folder: Path) -> None:
-    """Names of files, a line each: recording and frame of each, as annotations have them."""
+    """Parse file names, one per line, into recording and frame."""
     names = content.decode("utf-8", "replace").splitlines()[:_MOST_NAMES]
     table = listed_frames([SourceFile(folder, name) for name in names], ReadOptions()).table
     frames = table[table["frame"] >= 0]
@@ -227,7 +227,7 @@ def names(content: bytes, folder: Path) -> None:
 
 @_text(*_NAMES, most_bytes=2048)
 def folders(content: bytes, folder: Path) -> None:
-    """Names of pictures, a line each: a folder of such files."""
+    """Place pictures in a folder by file names, one per line."""
     for name in content.decode("utf-8", "replace").splitlines()[:_MOST_NAMES]:
         path = PurePosixPath(name.replace("\0", ""))
         if path.name not in ("", "..") and len(path.name.encode()) < 200:
@@ -246,7 +246,7 @@ def folders(content: bytes, folder: Path) -> None:
 
 @_text(*((place / "session.toml").read_bytes() for place in (SAMPLE, DATA / "written")), share=1.0)
 def sessions(content: bytes, folder: Path) -> None:
-    """A session file: once written, it is written the same after it was read again."""
+    """Read a session file, and check its round trip."""
     path = written(folder, "session.toml", content)
     session = read_toml(read_session, path)
     text = write_session(session, version="0", fingerprint="0")
@@ -262,7 +262,7 @@ def sessions(content: bytes, folder: Path) -> None:
     b'recording;tags;fps;context\n"a b";"x y";20,5;0,5\nb;;;\n',
 )
 def recordings(content: bytes, folder: Path) -> None:
-    """A table of recordings."""
+    """Read a table of recordings."""
     path = written(folder, "recordings.csv", content)
     for name, (line, entry) in read_recordings_file(path, "recordings.csv").items():
         assert name == entry.name, "another name"
@@ -278,7 +278,7 @@ def recordings(content: bytes, folder: Path) -> None:
     share=0.25,
 )
 def provenance(content: bytes, folder: Path) -> None:
-    """A record of how detections were made."""
+    """Read a provenance record of detections."""
     path = written(folder, "provenance.json", content)
     text = provenance_json(read_provenance(path, "provenance.json"))
     path.write_bytes(text)
@@ -287,7 +287,7 @@ def provenance(content: bytes, folder: Path) -> None:
 
 @_text(b"0:299", b"-5:10:2", b"1\n2\n5\n", b"\xef\xbb\xbf3\r\n4\r\n", share=0.25)
 def frames(content: bytes, folder: Path) -> None:
-    """Evaluated frames: a range, or a file of numbers."""
+    """Read evaluated frames: a range, or a file of numbers."""
     written(folder, "frames.txt", content)
     text = content.decode("utf-8", "replace")
     own = np.arange(10, 15)
@@ -301,7 +301,7 @@ def frames(content: bytes, folder: Path) -> None:
     share=0.25,
 )
 def rules(content: bytes, _folder: Path) -> None:
-    """Rules of the gate, and what they say of measures with a value and without."""
+    """Read gate rules, and apply them to measures with and without a value."""
     names = measure_names()
     lines = [("--rule", text) for text in content.decode("utf-8", "replace").splitlines()]
     read, problems = read_rules(lines, names)
@@ -315,7 +315,7 @@ def rules(content: bytes, _folder: Path) -> None:
     b"alert_on_s = 0.5\nalert_off_s = 0.2\nalert_distance_m = 40.0\nalert_score = -1e3\n",
 )
 def policies(content: bytes, folder: Path) -> None:
-    """A policy of alerts: its values are settings."""
+    """Read an alert policy, whose values are settings."""
     path = written(folder, "policy.toml", content)
     Params(**read_toml(lambda path: read_policy(SourceFile(path, path.name)), path))
 
@@ -328,7 +328,7 @@ def policies(content: bytes, folder: Path) -> None:
     share=1.0,
 )
 def logs(content: bytes, folder: Path) -> None:
-    """A system's log of alerts, or its detections with a column; of one recording, then of two."""
+    """Read a log of alerts, or detections with an alert column, for one and for two recordings."""
     session, result = _compared(folder)
     header = content.partition(b"\n")[0].lower()
     name = "x.csv" if b"alerted" in header else "log.csv"
@@ -350,7 +350,7 @@ def logs(content: bytes, folder: Path) -> None:
     b"code;end_s;start_s;recording;note\nglare;0,4;-1;rural;x\nglare;0,4;-1;rural;\n",
 )
 def codes(content: bytes, folder: Path) -> None:
-    """Coded intervals: read, and those beyond the recordings found."""
+    """Read coded intervals, and find those beyond the recordings."""
     written(folder, "codes.csv", content)
     session, result = _compared(folder)
     names = [*result.dataset.recordings["name"]]
@@ -360,7 +360,7 @@ def codes(content: bytes, folder: Path) -> None:
 
 @_text(b"time_s,speed_kmh\n0.00,48.2\n0.10,48.0\n9,0\n", b"speed_kmh;time_s\n30,5;-1\n400;0,5\n")
 def speeds(content: bytes, folder: Path) -> None:
-    """Speeds of the car over a recording."""
+    """Read speeds of the car over a recording."""
     written(folder, "speed.csv", content)
     session, result = _compared(folder)
     entry = RecordingEntry("urban", speed="speed.csv")
@@ -378,7 +378,7 @@ def speeds(content: bytes, folder: Path) -> None:
     most_bytes=1024,
 )
 def groups(content: bytes, folder: Path) -> None:
-    """A table of groups: every test that it allows."""
+    """Read a table of groups, and run every test that it allows."""
     path = written(folder, "groups.csv", content)
     with patch("scipy.stats.studentized_range", _QUICK_RANGE):
         comparison = compare_groups(GroupArguments(path))
@@ -395,7 +395,7 @@ def groups(content: bytes, folder: Path) -> None:
     b"kind;duration_s;start_s;system;recording\nignored;1;0;y;urban\nneeded;0,5;0,2;X;rural\n",
 )
 def judged(content: bytes, folder: Path) -> None:
-    """Alerts of which raters are asked."""
+    """Read alerts that raters judge."""
     for alert in read_alerts(content, _compared(folder)[1], name="alerts.csv"):
         assert 0 <= alert.start_s <= alert.end_s < math.inf, "no times"
 
@@ -408,14 +408,14 @@ def judged(content: bytes, folder: Path) -> None:
     most_bytes=1024,
 )
 def filters(content: bytes, folder: Path) -> None:
-    """Conditions for the worst rows of a scan's results."""
+    """Parse conditions for the worst rows of a scan's results."""
     with patch("nvcore.fleet.query._dataset", lambda _results, table, _versions: _RESULTS[table]):
         str(worst(Location(folder), where=content.decode("utf-8", "replace")))
 
 
 @_text(b"Shoe size\nDo you *drive* at night?\n", b"A\n\nB\n1. A\n", most_bytes=4096)
 def forms(content: bytes, folder: Path) -> None:
-    """Own questions of a form, a line each: asked, answered, listed."""
+    """Parse a form's own questions, one per line, and ask, answer and list them."""
     lines = content.decode("utf-8", "replace").splitlines()
     questions = [line.strip() for line in lines if line.strip()]
     store = RatingStore(folder / "ratings.sqlite")
@@ -441,7 +441,7 @@ def forms(content: bytes, folder: Path) -> None:
     b'client_secret = "s"\nserver_metadata_url = "https://id.example.com/x"\n',
 )
 def logins(content: bytes, folder: Path) -> None:
-    """How visitors log in."""
+    """Read login settings."""
     path = written(folder, "login.toml", content)
     settings = read_toml(lambda path: read_login(section_of(path), file=path.name), path)
     assert settings.allow is None or not settings.admits("anna@"), "nobody's address"
@@ -456,7 +456,7 @@ def _check_finite(table: pd.DataFrame) -> None:
 
 @cache
 def _drives() -> dict[str, bytes]:
-    """Two drives of a pedestrian, whom the second system misses in the last frames."""
+    """Return two drives of a pedestrian whom the second system misses in the last frames."""
     rows = [
         f"{name},{frame},{100 + 3 * frame},200,40,{100 + frame},1,0.{9 - frame % 9}\n"
         for name in ("urban", "rural")
@@ -469,7 +469,7 @@ def _drives() -> dict[str, bytes]:
 
 @cache
 def _compared(folder: Path) -> tuple[Session, Result]:
-    """The session of `_drives` in this folder, and its comparison."""
+    """Return the session of `_drives` in this folder, and its comparison."""
     for name, content in _drives().items():
         written(folder, name, content)
     systems = tuple(SystemSource((f"{name}.csv",), name=name.upper()) for name in "xy")

@@ -1,9 +1,9 @@
-"""Trials of a target: how inputs end, and which end in a fault.
+"""Trials of a target: run inputs, classify their outcomes, and keep faults.
 
     python -m scripts.fuzz.trial TARGET STORE RUNS
 
-tries so many inputs that are changed by chance alone; `scripts.fuzz.worker` learns from each. A
-trial goes on after a fault in Python: the input and its traceback are kept, once for each place.
+The command tries a number of purely random changes, while `scripts.fuzz.worker` learns from each. A
+trial continues after a fault in Python. It keeps the input and its traceback, one for each place.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ from scripts.fuzz.target import ROOT, mutated_text
 from scripts.fuzz.targets import TARGETS
 
 SLOW_S: Final = 2.0
-"""Of the processor, for one input; more is a fault."""
+"""Maximum processor time per input. More is a fault."""
 NOTES_S: Final = 1.0
-"""Seconds between two notes of the counts."""
+"""Seconds between two writes of the counts."""
 MOST_KEPT: Final = 300
-"""Inputs that were read, to be changed further."""
+"""Maximum number of valid inputs that are kept for further changes."""
 COUNTED: Final = ("read", "refused", "faults")
 
 
 class Trial:
-    """Tries inputs, counts how they end, and keeps those that end in a fault."""
+    """Runner of inputs that counts their outcomes and keeps those that end in a fault."""
 
     def __init__(self, name: str, store: Path, folder: Path):
         self.target = TARGETS[name]
@@ -46,12 +46,12 @@ class Trial:
         self.faults.mkdir(parents=True, exist_ok=True)
         self.folder = folder
         self.counts: dict[str, Any] = dict.fromkeys((*COUNTED, "slowest_s"), 0)
-        if self.counts_file.exists():  # of the process before, which ended early
+        if self.counts_file.exists():  # from the previous process, which ended early
             self.counts |= json.loads(self.counts_file.read_text("utf-8"))
         self.noted = time.monotonic()
 
     def warm_up(self) -> None:
-        """Read some seeds, for what they load and compile; warnings are faults from now on."""
+        """Run some seeds, which loads and compiles code. From then on warnings are faults."""
         for content in self.target.first_inputs()[:5]:
             with suppress(NvcoreError):
                 self.target.run(content, self.folder)
@@ -59,7 +59,7 @@ class Trial:
         warnings.simplefilter("error")
 
     def __call__(self, content: bytes) -> str:
-        """Try one input; how it ended."""
+        """Try one input and return its outcome."""
         begin, kind, told = time.process_time(), "read", "-"
         try:
             try:
@@ -69,8 +69,8 @@ class Trial:
             spent_s = time.process_time() - begin
             self.counts["slowest_s"] = max(self.counts["slowest_s"], round(spent_s, 2))
             assert spent_s <= SLOW_S, f"{spent_s:.1f} s"
-            assert told.encode().strip(), "no message"  # half a character of two cannot be shown
-        except Exception as error:  # noqa: BLE001  # what is looked for
+            assert told.encode().strip(), "no message"  # half a surrogate pair cannot be encoded
+        except Exception as error:  # noqa: BLE001  # any exception is a finding
             kind = "faults"
             self._keep(content, error)
         self.counts[kind] += 1
@@ -80,7 +80,7 @@ class Trial:
         return kind
 
     def note(self) -> None:
-        """Write the counts down: a process that ends early says nothing more."""
+        """Write the counts, in case the process ends early."""
         gc.collect()
         self.counts["peak_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
         self.counts_file.write_text(json.dumps(self.counts), "utf-8")
@@ -91,7 +91,7 @@ class Trial:
             shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
 
     def _keep(self, content: bytes, error: Exception) -> None:
-        """The input, once for each place in the project's code; the shortest of them."""
+        """Keep the shortest faulty input for each place in the project's code."""
         frames = traceback.extract_tb(error.__traceback__)
         ours = [f for f in frames if f.filename.startswith(f"{ROOT}{os.sep}")] or frames
         place = f"{type(error).__name__} {ours[-1].filename}:{ours[-1].lineno}"
@@ -104,7 +104,7 @@ class Trial:
 
 
 def main() -> None:
-    """Try inputs that are made of the seeds, and of those among them that were read."""
+    """Try inputs derived from the seeds and from valid inputs among the results."""
     name, store, runs = sys.argv[1], Path(sys.argv[2]), int(sys.argv[3])
     with tempfile.TemporaryDirectory(prefix="nvcore-fuzz-") as folder:
         trial = Trial(name, store, Path(folder))

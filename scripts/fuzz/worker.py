@@ -1,4 +1,4 @@
-"""One target in a process of its own, which a decoder, a hang or too much memory may end.
+"""Run one target in its own process, which a decoder, a hang or lack of memory may end.
 
 python -m scripts.fuzz.worker TARGET STORE SECONDS
 """
@@ -15,23 +15,23 @@ import atheris
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 TIMEOUT_S: Final = 10
-"""For one input, by the clock."""
+"""Maximum wall-clock time per input."""
 MEMORY_MB: Final = 1500
-"""Of the whole process; what is imported takes a third of it."""
+"""Maximum memory of the process. Imports take a third of it."""
 PLAIN: Final = 0.2
-"""Share of changes that are libFuzzer's own, where a target has some."""
+"""Share of libFuzzer's own changes if a target has its own mutations."""
 COMPILED: Final = [
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
     for path in ROOT.glob("nvcore/**/*.py")
     if "kernels" in path.with_suffix("").parts or "\n@compiled" in path.read_text("utf-8")
 ]
-"""Modules with loops: what compiles them does not know the calls that follow lines."""
+"""Modules with loops whose compiler does not support the instrumentation of lines."""
 with atheris.instrument_imports(include=["nvcore", "ui", "tomllib", "zipfile"], exclude=COMPILED):
     from scripts.fuzz.trial import Trial
 
 
 def dictionary(words: Path) -> list[str]:
-    """The fuzzer's flag for the words of the seeds; none without words, which would end it."""
+    """Return the fuzzer's flag for the words of the seeds, or none if there are no words."""
     return [f"-dict={words}"] if words.stat().st_size else []
 
 

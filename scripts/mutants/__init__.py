@@ -1,1 +1,1 @@
-"""Mutation testing: small mistakes put into the library, to see which its tests do not notice."""
+"""Mutation testing: small changes to the library that its tests should notice."""

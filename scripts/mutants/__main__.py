@@ -1,18 +1,18 @@
-"""Put small mistakes into the library and see which its tests do not notice.
+"""Make small changes to the library, and find those that its tests do not notice.
 
     python -m scripts.mutants map [TESTS ...]      which test runs which line: new tests, or TESTS
     python -m scripts.mutants run [--sample 240]   a fixed sample of mutants against those tests
     python -m scripts.mutants table                the share killed, by folder, to docs/quality.md
 
-Every mutant lives in a copy of the project (.mutants/tree-N), never in the checkout. It meets the
-tests that run its line, quick ones first, until one fails or `--seconds` of them are through; what
-runs over its time counts as killed. Compiled functions run as plain Python. Results are kept in
-.mutants/results.jsonl: a run that was interrupted goes on, `--again` repeats what survived,
-`--fresh` forgets all. Survivors that no test can distinguish from the original are listed in
-equivalent.toml with the reason.
+Every mutant lives in a copy of the project (.mutants/tree-N), never in the checkout. It is tested
+with the tests that run its line, quick ones first, until one fails or `--seconds` of tests have
+passed. A test that exceeds its time kills the mutant. Compiled functions run as plain Python.
+Results are kept in .mutants/results.jsonl, so that an interrupted run can continue. `--again`
+repeats survivors, `--fresh` discards all. Survivors that no test can distinguish from the original
+are listed in equivalent.toml with the reason.
 
-Neither mutmut 3 (no code outside functions, no decorated functions and thus no compiled ones) nor
-cosmic-ray (one command for all mutants, run in the checkout) does this without a program around.
+Neither mutmut 3 (no code outside functions, no decorated and thus no compiled functions) nor
+cosmic-ray (one command for all mutants, run in the checkout) can do this.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ FOLDERS = ("nvcore/metrics", "nvcore/evidence", "nvcore/detection", "nvcore/inpu
 
 
 def pick_sample(folders: Sequence[str], size: int, seed: int) -> dict[str, list[Mutant]]:
-    """As many mutants of every folder, by their hash, so that an edit changes few of them."""
+    """Pick equally many mutants of every folder, by hash, so that an edit changes few of them."""
     share = -(-size // len(folders))
     sample = {}
     for folder in folders:
@@ -50,19 +50,19 @@ def pick_sample(folders: Sequence[str], size: int, seed: int) -> dict[str, list[
 
 
 def read_results(file: Path = RESULTS) -> dict[Key, str]:
-    """What noticed each mutant tried so far, empty for a survivor; the last result counts."""
+    """Read which test killed each mutant, empty for a survivor. The last result counts."""
     lines = file.read_text("utf-8").splitlines() if file.exists() else []
     return {tuple(row["key"]): row["killed_by"] for row in map(json.loads, lines)}
 
 
 def read_equivalents() -> dict[Key, str]:
-    """Reason for each mutant that no test can distinguish from the original."""
+    """Read the reason for each mutant that no test can distinguish from the original."""
     listed = tomllib.loads(EQUIVALENT.read_text("utf-8"))["mutant"]
     return {(m["file"], m["line"], m["mutation"], m.get("nth", 0)): m["reason"] for m in listed}
 
 
 def run(sample: dict[str, list[Mutant]], seconds: float, *, again: bool) -> None:
-    """Try what has no result yet (`again`: and what survived), then show the survivors."""
+    """Try mutants without a result (with `again` also survivors), then show the survivors."""
     results, equivalents = read_results(), read_equivalents()
     mutants = [m for of_folder in sample.values() for m in of_folder]
     to_do = [m for m in mutants if m.key not in equivalents]
@@ -79,7 +79,7 @@ def run(sample: dict[str, list[Mutant]], seconds: float, *, again: bool) -> None
             mutant, n_tests = jobs[job]
             try:
                 noticed_by, why = job.result()
-            except RuntimeError as error:  # no fault of the mutant; the next run tries it again
+            except RuntimeError as error:  # not caused by the mutant: the next run tries it again
                 print(f"{number}/{len(jobs)} {describe(mutant)}\n{error}", flush=True)
                 continue
             results[mutant.key] = noticed_by
@@ -101,7 +101,7 @@ def run(sample: dict[str, list[Mutant]], seconds: float, *, again: bool) -> None
 
 
 def fail_anyway(killers: Iterable[str], seconds: dict[str, float]) -> list[str]:
-    """Which of the tests that killed mutants fail on the project as it is."""
+    """Return the tests that killed mutants but also fail on the unchanged project."""
     tests = sorted({test for test in killers if test in seconds}, key=seconds.__getitem__)
     failing = []
     while tests and (failed := run_tests(tests, seconds)[0]):
@@ -113,7 +113,7 @@ def fail_anyway(killers: Iterable[str], seconds: dict[str, float]) -> list[str]:
 
 
 def describe(mutant: Mutant) -> str:
-    """Its change as a diff, and how it would stand in the list of equivalents."""
+    """Return the change as a diff, with an entry for the list of equivalents."""
     source = (ROOT / mutant.path).read_text("utf-8")
     old, new = source.splitlines(), mutant.apply(source).splitlines()
     lines = difflib.unified_diff(old, new, mutant.path, mutant.path, lineterm="")
@@ -123,7 +123,7 @@ def describe(mutant: Mutant) -> str:
 
 
 def table(sample: dict[str, list[Mutant]], earlier: Path | None = None) -> str:
-    """Markdown: what became of the mutants of each folder, here and in an earlier checkout."""
+    """Return a Markdown table of results by folder, here and in an earlier checkout."""
     equivalents = read_equivalents()
     results = {key: test for key, test in read_results().items() if key not in equivalents}
     before = read_results(earlier) if earlier else {}
@@ -152,12 +152,12 @@ def table(sample: dict[str, list[Mutant]], earlier: Path | None = None) -> str:
 
 
 def share_killed(tests: Sequence[str]) -> str:
-    """Share of mutants that a test noticed, in words."""
+    """Describe the share of mutants that a test noticed."""
     return f"{sum(map(bool, tests)) / len(tests):.1%}" if tests else "–"
 
 
 def write_table(text: str) -> None:
-    """Put the table into the documentation, in place of the last one."""
+    """Replace the table in the documentation."""
     before, _, rest = QUALITY.read_text("utf-8").partition(MARKS[0])
     _, _, after = rest.partition(MARKS[1])
     QUALITY.write_text(f"{before}{MARKS[0]}\n\n{text}\n\n{MARKS[1]}{after}", "utf-8")

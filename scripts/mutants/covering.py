@@ -1,7 +1,7 @@
-"""Which tests run which line of the library.
+"""Map from each line of the library to the tests that run it.
 
-Every file of tests runs once by itself with coverage's contexts. What it leaves in .mutants:
-coverage (lines), tests.json (seconds of each test), sources.json (the files as they were).
+Every test file runs once by itself with coverage's contexts. It leaves in .mutants: coverage
+(lines), tests.json (seconds of each test), sources.json (hashes of the files).
 """
 
 from __future__ import annotations
@@ -25,16 +25,17 @@ LEFT_OUT = (
     "tests/report/html", "tests/stability", "tests/people", "tests/ratings", "tests/driver/study",
     "tests/tools",
 )  # fmt: skip
-"""Tests far from the lines, which take minutes without compiled functions: a mutant that they alone
-would notice counts as survived."""
+"""Tests that are far from the lines and take minutes without compiled functions. A mutant that only
+they would notice counts as survived.
+"""
 FIRST_FILES, FIRST_S = 3, 5.0
-"""First round: tests of so many files and seconds at most. Most mutants end there."""
+"""First round: maximum number of files and of seconds of tests. Most mutants end there."""
 
 
 def make_map(store: Path, tests: Sequence[str]) -> None:
-    """Run the tests of the library that the map does not know as they are; or the files `tests`.
+    """Map the tests of the library that are new or changed, or the files `tests`.
 
-    So a map that was interrupted goes on. After an edit of the library it begins anew.
+    An interrupted map is continued. After an edit of the library it starts again.
     """
     table, sources = store / "tests.json", store / "sources.json"
     library, test_files = digests("nvcore/**/*.py"), digests("tests/**/test_*.py")
@@ -75,7 +76,7 @@ def make_map(store: Path, tests: Sequence[str]) -> None:
 
 
 def digests(pattern: str) -> dict[str, str]:
-    """What the files of the checkout contain, in short."""
+    """Return short hashes of the checkout's files."""
     return {str(path.relative_to(ROOT)): digest(path) for path in sorted(ROOT.glob(pattern))}
 
 
@@ -90,7 +91,7 @@ def digest(path: Path) -> str:
 
 
 class Map:
-    """Which tests run which line, and how long each takes."""
+    """Map from lines to tests, with the duration of each test."""
 
     def __init__(self, store: Path, root: Path) -> None:
         self.root = root
@@ -110,7 +111,7 @@ class Map:
         return {line: self.seconds.keys() & contexts for line, contexts in by_line.items()}
 
     def covering(self, mutant: Mutant) -> set[str]:
-        """Tests that run the line; where it runs on import, those that run its function or file."""
+        """Return tests that run the line, or its function or file if it runs on import."""
         by_line = self.by_line(mutant.path)
         scope = mutant.scope or (1, max(by_line, default=1))
         on_import = not mutant.scope or mutant.line < scope[0]
@@ -122,11 +123,11 @@ class Map:
         return set()
 
     def rounds(self, mutant: Mutant, seconds: float) -> list[list[str]]:
-        """Tests to run, `seconds` of them at most: few files first, then the rest.
+        """Return tests to run, at most `seconds` of them: few files first, then the rest.
 
-        Tests of the file that is named after the module come first, quick ones before slow ones.
-        A fixture may have run the line on behalf of another test of its file, so the other tests
-        of a file follow those that ran the line themselves.
+        Tests of the file named after the module come first, quick ones before slow ones. A fixture
+        may have run the line on behalf of another test of its file, so the other tests of a file
+        follow those that ran the line themselves.
         """
         direct = self.covering(mutant)
         module = f"test_{Path(mutant.path).stem}"

@@ -1,8 +1,8 @@
-"""Pytest in a forked process, which may hang, crash or take too long without harm to its parent.
+"""Pytest in a forked process, which may hang, crash or take too long without harming its parent.
 
-A test that takes too long ends its process. An exception raised from outside may strike while a
-thread is waited for; the executor then waits for all the work it still has, and other threads wait
-for ever. The log of the process says where each of its threads was.
+A test that takes too long ends its process. Raising an exception from outside would not work: it
+may strike while a thread is waited for, after which the executor waits for all its remaining work,
+and other threads wait for ever. The log of the process shows the state of each thread.
 """
 
 from __future__ import annotations
@@ -26,27 +26,27 @@ from coverage import Coverage
 COLLECTION_S = 120.0
 """Processor time for the imports of the tests."""
 MEMORY_BYTES = 8 * 2**30
-"""Of one process, as some mutants ask for all there is."""
+"""Maximum memory of one process, as some mutants allocate everything."""
 CRASHES = [-number for number in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE)]
-"""Exit codes of a process that its own code brought down, rather than somebody else."""
+"""Exit codes of a process that crashed, as opposed to being killed."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """What pytest shall do in a copy of the project.
+    """Task for pytest in a copy of the project.
 
     Attributes
     ----------
     arguments
-        Of pytest: files, options.
+        Arguments of pytest: files, options.
     limits
-        Seconds of processor time that a test may take.
+        Maximum processor seconds of each test.
     limit
-        The same for tests that are not in `limits`.
+        Maximum for tests that are not in `limits`.
     only
-        Tests to run, in this order; None: all but those in `without`.
+        Tests to run, in this order. None: all but those in `without`.
     coverage
-        File that says which test ran which lines of the library; None: not measured.
+        File that records which test ran which lines of the library. None: no recording.
     """
 
     arguments: Sequence[str]
@@ -59,18 +59,18 @@ class Task:
 
 @dataclass
 class Outcome:
-    """What became of the tests.
+    """Results of the tests.
 
     Attributes
     ----------
     seconds
         Processor time of each test that passed.
     failed
-        Those that failed, the first one first; "collection" if something failed outside of tests.
+        Failed tests in order, or "collection" if something failed outside of tests.
     stopped_in
-        Test that ended the process, or "collection"; empty if none did.
+        Test that ended the process, or "collection". Empty if none did.
     why
-        "failure"; or "time" or "crash" where the process ended.
+        "failure", or "time" or "crash" if the process ended.
     """
 
     seconds: dict[str, float] = field(default_factory=dict)
@@ -80,7 +80,7 @@ class Outcome:
 
 
 class Narrator:
-    """Pytest plugin: picks tests, limits their processor time, tells the parent about each."""
+    """Pytest plugin that selects tests, limits their processor time, and reports results."""
 
     def __init__(self, task: Task, parent: Connection, coverage: Coverage | None) -> None:
         self.task = task
@@ -89,7 +89,7 @@ class Narrator:
         self.outcomes: list[str] = []
 
     def pytest_sessionstart(self) -> None:
-        """The same examples in every run; one that fails is not made simpler, which takes long."""
+        """Use the same examples in every run, without shrinking, which takes long."""
         from hypothesis import Phase, settings
 
         settings.register_profile(
@@ -129,18 +129,18 @@ class Narrator:
         self.outcomes.append(report.outcome)
 
     def outcome(self) -> str:
-        """Worst of setup, call and teardown."""
+        """Return the worst outcome of setup, call and teardown."""
         return next((o for o in ("failed", "skipped") if o in self.outcomes), "passed")
 
 
 def in_child(tree: Path, task: Task, parent: Connection) -> None:
-    """Run pytest in a copy, the log beside its files."""
+    """Run pytest in a copy, with the log beside its files."""
     os.setsid()
     os.chdir(tree)
     log = os.open("pytest.log", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     os.dup2(log, 1)
     os.dup2(log, 2)
-    # at the end of its time the process says where its threads are, then ends as by default
+    # at the end of its time the process logs its threads, then ends as by default
     signal.signal(signal.SIGPROF, signal.SIG_DFL)
     faulthandler.register(signal.SIGPROF, log, all_threads=True, chain=True)
     signal.setitimer(signal.ITIMER_PROF, COLLECTION_S)
@@ -162,7 +162,7 @@ def in_child(tree: Path, task: Task, parent: Connection) -> None:
 
 
 def run_pytest(tree: Path, task: Task) -> Outcome:
-    """Carry out the task in a process of its own; `RuntimeError` if pytest cannot run at all."""
+    """Run a task in its own process. Raise `RuntimeError` if pytest cannot run at all."""
     fork = get_context("fork")
     receiver, sender = fork.Pipe(duplex=False)
     child = fork.Process(target=in_child, args=(tree, task, sender))
@@ -171,7 +171,7 @@ def run_pytest(tree: Path, task: Task) -> Outcome:
     outcome = Outcome(stopped_in="collection", why="time")
     limit = COLLECTION_S
     try:
-        # the processor is shared: a process that waits for something is told apart by hours only
+        # the processor is shared, so only a very long time shows that a process is blocked
         while receiver.poll(120 + 20 * limit):
             event, *values = receiver.recv()
             if event == "ends":
@@ -183,11 +183,11 @@ def run_pytest(tree: Path, task: Task) -> Outcome:
                 outcome.seconds[test] = values[1]
             elif event == "failed":
                 outcome.failed.append(test)
-        os.kill(child.pid or 0, signal.SIGPROF)  # it waits: say where
+        os.kill(child.pid or 0, signal.SIGPROF)  # it is blocked, so let it log where
         child.join(10)
     except EOFError:
         child.join()
-        if child.exitcode == 1:  # at the very end pytest raises what no test has met
+        if child.exitcode == 1:  # pytest raises at its very end after errors outside of tests
             check_ending(pytest.ExitCode.INTERNAL_ERROR, outcome, tree)
         elif child.exitcode in CRASHES:
             outcome.why = "crash"
@@ -202,10 +202,10 @@ def run_pytest(tree: Path, task: Task) -> Outcome:
 
 
 def check_ending(code: int, outcome: Outcome, tree: Path) -> None:
-    """What the exit code of pytest adds to what it told."""
+    """Update the outcome from the exit code of pytest."""
     if code == pytest.ExitCode.USAGE_ERROR:
         raise RuntimeError(f"pytest could not run: see {tree / 'pytest.log'}")
     outcome.stopped_in, outcome.why = "", "failure"
     if code not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
-        # a file that cannot be collected ends a run with -x as a failed test does
+        # with -x, a file that cannot be collected ends a run like a failed test
         outcome.failed = outcome.failed or ["collection"]

@@ -1,9 +1,9 @@
-"""Mutants of a Python file: one small change each, the operators of the field.
+"""Mutants of a Python file: one small change each, by the usual mutation operators.
 
 Comparisons (boundary moved, negated), arithmetic, `and`/`or`/`not`, numbers off by one, True/False,
 `min`/`max` and other pairs of names, `+=`/`-=`, slice bounds dropped, conditions negated, `break`/
-`continue`, returned values. Left alone is what no test should pin or what only speaks: docstrings
-and all other texts, annotations, decorators, assertions, ``zip(strict=...)``.
+`continue`, returned values. Text and annotations are not mutated, as no test should depend on them:
+docstrings and all other texts, annotations, decorators, assertions, ``zip(strict=...)``.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ PAIRS = (
 )  # fmt: skip
 SWAPS = {a: b for pair in PAIRS for a, b in (pair, pair[::-1])}
 SIDES = {"left": "right", "right": "left", "first": "last", "last": "first"}
-"""Texts of keywords (`side`, `keep`) that are choices of an algorithm and not words."""
+"""Keyword values (`side`, `keep`) that select an algorithm instead of being text."""
 
 
 Key = tuple[str, str, str, int]
@@ -50,25 +50,25 @@ Key = tuple[str, str, str, int]
 
 @dataclass(frozen=True)
 class Mutant:
-    """One change of one place: ``source[start:stop]`` becomes `new`.
+    """Change of one place: ``source[start:stop]`` becomes `new`.
 
     Attributes
     ----------
     path
-        Of the file, from the root of the project.
+        File path from the root of the project.
     line
-        Of the place; 1 is the first.
+        Line of the place, from 1.
     head
-        First and last line of the statement around the place, without statements inside it.
+        First and last line of the statement around the place, without nested statements.
     scope
-        Lines of the function around the place (of the function itself for a default value);
-        None where the place runs on import.
+        Lines of the function around the place (of the function itself for a default value). None if
+        the place runs on import.
     text
-        The line of code at the place, without indentation.
+        Line of code at the place, without indentation.
     mutation
-        What changes, ``old -> new``.
+        Change, as ``old -> new``.
     nth
-        Counts equal mutations of equal lines in one file, from 0.
+        Index among equal mutations of equal lines in one file, from 0.
     """
 
     path: str
@@ -84,20 +84,20 @@ class Mutant:
 
     @property
     def key(self) -> Key:
-        """What names the mutant as long as its line is not edited, wherever the line moves."""
+        """Identity of the mutant, which is stable while its line is not edited."""
         return self.path, self.text, self.mutation, self.nth
 
     def order(self, seed: int) -> str:
-        """Place in the random order of all mutants, which edits elsewhere do not change."""
+        """Return a random sort key that does not change with edits elsewhere."""
         return hashlib.sha256(repr((seed, self.key)).encode()).hexdigest()
 
     def apply(self, source: str) -> str:
-        """The mutated file."""
+        """Return the mutated source."""
         return source[: self.start] + self.new + source[self.stop :]
 
 
 class Places(ast.NodeVisitor):
-    """Collects ``(start, stop, new, statement, scope)`` of every mutation of one file."""
+    """Collector of ``(start, stop, new, statement, scope)`` of every mutation of one file."""
 
     def __init__(self, source: str) -> None:
         self.source = source
@@ -117,7 +117,7 @@ class Places(ast.NodeVisitor):
         self.visit(ast.parse(source))
 
     def offset(self, line: int, column: int) -> int:
-        """Index into the source; `column` counts bytes, as `ast` does."""
+        """Return the index in the source. `column` counts bytes, as in `ast`."""
         return self.begins[line - 1] + len(self.lines[line - 1].encode()[:column].decode())
 
     def span(self, node: ast.expr | ast.stmt) -> tuple[int, int]:
@@ -133,7 +133,7 @@ class Places(ast.NodeVisitor):
         self.add(*self.span(node), new)
 
     def operator(self, left: ast.expr, right: ast.expr) -> tuple[int, int, str]:
-        """Where the operator between two operands stands, parentheses aside, and its text."""
+        """Return position and text of the operator between two operands, ignoring parentheses."""
         first = bisect_left(self.tokens, (self.span(left)[1], 0))
         last = bisect_left(self.tokens, (self.span(right)[0], 0))
         between = [t for t in self.tokens[first:last] if self.source[t[0] : t[1]] not in "()"]
@@ -168,10 +168,10 @@ class Places(ast.NodeVisitor):
             self.visit(node.value)
 
     def visit_Assert(self, node: ast.Assert) -> None:
-        """Own reasoning: says what holds, decides nothing."""
+        """Skip assertions, which have no effect on results."""
 
     def visit_JoinedStr(self, node: ast.JoinedStr) -> None:
-        """A text."""
+        """Skip text."""
 
     def visit_Return(self, node: ast.Return) -> None:
         if node.value is not None:
@@ -203,7 +203,7 @@ class Places(ast.NodeVisitor):
     # --- expressions ----------------------------------------------------------------------
 
     def condition(self, test: ast.expr) -> None:
-        """Negate what no other operator negates."""
+        """Negate a condition that no other operator negates."""
         if isinstance(test, (ast.Name, ast.Attribute, ast.Call, ast.Subscript, ast.NamedExpr)):
             self.replace(test, f"not ({self.source[slice(*self.span(test))]})")
 
@@ -286,20 +286,20 @@ def is_text(node: ast.expr) -> bool:
 
 
 def head_of(statement: ast.stmt) -> tuple[int, int]:
-    """First and last line of a statement without the statements inside it."""
+    """Return the first and last line of a statement without nested statements."""
     body = getattr(statement, "body", None)
     last = body[0].lineno - 1 if body else statement.end_lineno or statement.lineno
     return statement.lineno, max(statement.lineno, last)
 
 
 def shortened(text: str) -> str:
-    """A piece of code in one line, the middle left out where it is long."""
+    """Return code as one line, with the middle left out if it is long."""
     line = " ".join(text.split())
     return line if len(line) <= 40 else f"{line[:28]} ... {line[-7:]}"
 
 
 def mutants_of(root: Path, path: str) -> Iterator[Mutant]:
-    """Every mutant of one file, in the order of the file."""
+    """Yield every mutant of one file, in order."""
     source = (root / path).read_text("utf-8")
     places = Places(source)
     times: Counter[tuple[str, str]] = Counter()

@@ -1,7 +1,7 @@
-"""Copies of the project, in which workers try mutants and learn which test runs which line.
+"""Copies of the project in which workers try mutants and record which test runs which line.
 
-A worker imports once what is large and not ours; each run of pytest forks from there, which saves
-most of the seconds that a fresh one takes to start.
+A worker imports large external packages once. Each run of pytest forks from it, which saves most of
+the start time.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ LARGE = (
 )  # fmt: skip
 WORKERS = 2
 RECORDED_S = 10.0
-"""Processor time of a test while its lines are recorded; a slower test takes no part."""
+"""Maximum processor time of a test while its lines are recorded. Slower tests take no part."""
 SPARE_S = 15.0
-"""Processor time that a test may take with a mutant, beyond five times its usual one."""
+"""Additional processor time that a test may take with a mutant, beyond five times its usual one."""
 
 tree: Path
 """This worker's copy."""
 
 
 def copy_project(copy: Path) -> Path:
-    """A copy of the files that git knows or would know; compiled files of the last one stay."""
+    """Copy tracked and untracked files of the project, keeping compiled files of the last copy."""
     listed = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     paths = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     wanted = {path for path in filter(None, paths.split("\0")) if (ROOT / path).is_file()}
@@ -60,7 +60,7 @@ def is_same(file: Path, copy: Path) -> bool:
 
 
 def make_workers(store: Path) -> ProcessPoolExecutor:
-    """Processes with a copy of the project each."""
+    """Create worker processes with a copy of the project each."""
     fork = get_context("fork")
     copies = fork.Queue()
     for number in range(WORKERS):
@@ -69,24 +69,24 @@ def make_workers(store: Path) -> ProcessPoolExecutor:
 
 
 def start_worker(copies: Any) -> None:
-    """Take a copy, import what is large.
+    """Take a copy, and import large packages.
 
-    Tests run plain Python, their copy's modules, on the recordings of `$NVCORE_REALDATA`.
+    Tests run the copy's modules as plain Python, on the recordings of `$NVCORE_REALDATA`.
     """
     global tree
     tree = copies.get()
     os.environ["NUMBA_DISABLE_JIT"] = "1"
     os.environ["PYTHONPATH"] = str(tree)
-    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # what is compiled serves the next trials
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # compiled files serve the next trials
     sys.dont_write_bytecode = False
     for name in LARGE:
         importlib.import_module(name)
 
 
 def record_file(test_file: str, folder: Path) -> Outcome:
-    """Run a file of tests; after one that takes too long, which counts as failed, the others.
+    """Run a test file, continuing after a test that takes too long and counts as failed.
 
-    Which lines they run goes to files of `folder`: one for each process, as coverage begins anew.
+    Recorded lines go to files in `folder`, one per process, as coverage starts again in each.
     """
     whole = Outcome()
     folder.mkdir()
@@ -106,7 +106,7 @@ def record_file(test_file: str, folder: Path) -> Outcome:
 
 
 def run_tests(tests: list[str], seconds: dict[str, float]) -> tuple[str, str]:
-    """The first test that fails and why (see `Outcome`); empty texts if none does."""
+    """Return the first failing test and why (see `Outcome`), or empty texts if all pass."""
     files = [*dict.fromkeys(map(file_of, tests))]
     limits = {test: SPARE_S + 5 * seconds[test] for test in tests}
     outcome = run_pytest(tree, Task(["-x", *files], limits, only=tests))
@@ -121,7 +121,7 @@ def file_of(test: str) -> str:
 def try_mutant(
     mutant: Mutant, rounds: list[list[str]], seconds: dict[str, float]
 ) -> tuple[str, str]:
-    """What notices the mutant, as `run_tests` says it; empty if nothing does."""
+    """Return what `run_tests` returns for the mutant, empty if it survives."""
     file = tree / mutant.path
     source, times = file.read_text("utf-8"), file.stat()
     file.write_text(mutant.apply(source), "utf-8")
