@@ -1,1 +1,1 @@
-"""Tools that make what ships, and do not ship themselves; run from the project's folder."""
+"""Tools that make parts of the distribution but do not ship. Run them from the project's folder."""

@@ -1,11 +1,11 @@
-"""The sample data: a generated night drive with truth, two simulated systems and pictures.
+"""Sample data: a generated night drive with truth, two simulated systems and pictures.
 
-scene, body, camera     who walks where, in three dimensions
+scene, body, camera     people and their paths in three dimensions
 places, recordings      the ten recordings
-truth, systems          boxes, and what two systems make of them
+truth, systems          boxes, and the detections of two systems
 canvas, backdrop, objects, vehicles, people, render     pictures
-writing, ratings        files; simulated ratings
-visible/                the same drives by visible light, at dusk
+writing, ratings        files, and simulated ratings
+visible/                the same drives in visible light at dusk
 speed_signs             a second sample: drives past speed signs
 study/                  a simulated study: who sees a pedestrian after the light changed
 """
@@ -61,14 +61,14 @@ def tables(recordings: Iterable[Recording]) -> dict[str, pd.DataFrame]:
 
 
 def generate(folder: Path, *, progress: Progress = no_progress) -> None:
-    """Write the sample data into a folder; files of the same names are replaced.
+    """Write the sample data into a folder, replacing files of the same names.
 
     Parameters
     ----------
     folder
-        Made if it does not exist.
+        Folder, created if it does not exist.
     progress
-        Called with the name of the recording that comes next; at the end with an empty name.
+        Called with the name of the next recording, and with an empty name at the end.
     """
     folder.mkdir(parents=True, exist_ok=True)
     recordings = all_recordings()

@@ -1,4 +1,4 @@
-"""What does not stand up: road and grass below the horizon, sky and skyline above."""
+"""Background: road and grass below the horizon, sky and skyline above."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _AHEAD: Final = 130.0
 def noise(
     generator: np.random.Generator, shape: tuple[int, int], grain: tuple[float, float]
 ) -> Picture:
-    """Smooth noise of unit deviation with the given grain (rows, columns) in pixels."""
+    """Return smooth noise of unit deviation with the given grain (rows, columns) in pixels."""
     coarse = (int(shape[0] / grain[0]) + 3, int(shape[1] / grain[1]) + 3)
     rough = generator.standard_normal(coarse).astype(np.float32)
     smooth = cv2.resize(rough, (shape[1], shape[0]), interpolation=cv2.INTER_CUBIC)
@@ -30,13 +30,13 @@ def noise(
 
 
 class Ground:
-    """The road surface of a recording, seen from any point of the drive."""
+    """Road surface of a recording, seen from any point of the drive."""
 
     def __init__(self, recording: Recording):
         self._way = recording.way()
         self._camera = recording.camera
         texture = _texture(recording, float(self._way[-1]) + _AHEAD)
-        # Far rows cover metres of road: they are read from versions shortened along the road.
+        # Far rows cover metres of road, so they are read from versions shortened along the road.
         self._levels = [texture]
         for _ in range(7):
             last = self._levels[-1]
@@ -135,7 +135,7 @@ def _pavements(
 def _repairs(
     ground: Picture, x: Picture, z: Picture, recording: Recording, generator: np.random.Generator
 ) -> None:
-    """Patches of newer asphalt, seams, and manhole covers that breathe warm air."""
+    """Draw patches of newer asphalt, seams, and manhole covers that emit warm air."""
     road = recording.road
     for _ in range(int(z[-1] / 14)):
         x0, z0 = generator.uniform(road.left, road.right - 1), generator.uniform(0, z[-1])
@@ -156,7 +156,7 @@ def _repairs(
 
 
 def _markings(ground: Picture, x: Picture, z: Picture, recording: Recording) -> None:
-    """Paint lies a little cooler or warmer than asphalt: a faint line."""
+    """Draw the markings as faint lines, as paint is slightly cooler or warmer than asphalt."""
     road = recording.road
     middle = (road.left + road.right) / 2
     dash = (z % 12.0) < 4.0
@@ -172,7 +172,7 @@ def _markings(ground: Picture, x: Picture, z: Picture, recording: Recording) -> 
 
 
 def sky(recording: Recording) -> Picture:
-    """Sky, haze and skyline of a recording; nothing there moves in 15 seconds."""
+    """Draw sky, haze and skyline of a recording, which do not move within 15 seconds."""
     generator = np.random.default_rng([4, zlib.crc32(recording.name.encode())])
     climate = recording.climate
     rows = (recording.horizon - np.arange(HEIGHT))[:, None] / recording.horizon

@@ -1,7 +1,7 @@
-"""A walking, standing, crouching, bending or cycling body: joints in space over time.
+"""Walking, standing, crouching, bending or cycling body: joints in space over time.
 
-The body is a set of tapered capsules between joints. The boxes of the truth and the pictures are
-both made from them.
+The body is a set of tapered capsules between joints. Both the boxes of the truth and the pictures
+are made from them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ JOINTS: Final = (
     *("shoulder_r", "elbow_r", "wrist_r", "hand_r"),
     *("wheel_back", "wheel_front", "saddle", "crank", "bar"),
 )
-"""Names of the joints, in the order of the joint axis; the last five belong to a bicycle."""
+"""Names of the joints, in the order of the joint axis. The last five belong to a bicycle."""
 
 _INDEX: Final = {name: index for index, name in enumerate(JOINTS)}
 N_BODY: Final = _INDEX["wheel_back"]
@@ -31,7 +31,7 @@ WHEEL_M: Final = 0.34
 
 
 class Capsule(NamedTuple):
-    """A limb from joint `a` to joint `b`, radii as shares of the body height."""
+    """Limb from joint `a` to joint `b`, with radii as shares of the body height."""
 
     a: int
     b: int
@@ -68,14 +68,14 @@ CAPSULES: Final = (
 
 
 def keyed(keys: Keys) -> Floats:
-    """Value of a keyed quantity at every frame, softened so that nothing starts with a jerk."""
+    """Interpolate keyed values at every frame, smoothed so that no motion starts abruptly."""
     knots = np.asarray(keys, dtype=np.float64)
     values = np.interp(frame_times(), knots[:, 0], knots[:, 1])
     return np.asarray(gaussian_filter1d(values, 2.0, mode="nearest"))
 
 
 def positions(person: Person) -> tuple[Floats, Floats, Floats]:
-    """Where a person is and looks.
+    """Return the positions and directions of a person over time.
 
     Returns
     -------
@@ -89,7 +89,7 @@ def positions(person: Person) -> tuple[Floats, Floats, Floats]:
     knots = np.asarray(person.path, dtype=np.float64)
     times = frame_times()
     place = np.stack([np.interp(times, knots[:, 0], knots[:, axis]) for axis in (1, 2)], axis=1)
-    # A body does not turn on a point. "mirror" about the end keeps its speed there.
+    # A body does not turn on the spot. "mirror" about the end keeps its speed there.
     place = _soften(place, 4.0)
     velocity = np.gradient(place, 1 / FPS, axis=0)
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
@@ -100,7 +100,7 @@ def positions(person: Person) -> tuple[Floats, Floats, Floats]:
 
 
 def _soften(place: Floats, sigma: float) -> Floats:
-    """Gaussian smoothing along time with straight continuation at both ends."""
+    """Smooth along time with a Gaussian, with straight continuation at both ends."""
     pad = int(4 * sigma)
     before = place[:1] + (place[1:2] - place[:1]) * np.arange(-pad, 0)[:, None]
     after = place[-1:] + (place[-1:] - place[-2:-1]) * np.arange(1, pad + 1)[:, None]
@@ -109,7 +109,7 @@ def _soften(place: Floats, sigma: float) -> Floats:
 
 
 def joints(person: Person) -> Floats:
-    """Joints of a person in the world, metres, shape (frames, joints, 3).
+    """Return the joints of a person in the world, metres, shape (frames, joints, 3).
 
     The five joints of the bicycle are NaN for a pedestrian.
     """
@@ -132,7 +132,7 @@ def joints(person: Person) -> Floats:
 
 
 def radii(person: Person) -> NDArray[np.float64]:
-    """Radius at both ends of every limb in metres, shape (limbs, 2); children have larger heads."""
+    """Return the radius at both ends of every limb, m, (limbs, 2). Children's heads are larger."""
     size = np.array([[limb.radius_a, limb.radius_b] for limb in CAPSULES]) * person.height_m
     heads = np.array([limb.part == "head" for limb in CAPSULES])
     size[heads] *= (1.75 / person.height_m) ** 0.55
@@ -140,7 +140,7 @@ def radii(person: Person) -> NDArray[np.float64]:
 
 
 def _walking(person: Person, way: Floats, speed: Floats) -> Floats:
-    """Joints in body heights: forward, right, up, relative to an arbitrary height."""
+    """Return joints in body heights: forward, right, up, relative to an arbitrary height."""
     crouch, bend = keyed(person.crouch), keyed(person.bend)
     effort = np.clip(gaussian_filter1d(speed, 3.0, mode="nearest") / 1.2, 0.0, 1.15)
     phase = 2 * np.pi * way / (0.82 * person.height_m)
@@ -163,7 +163,7 @@ def _walking(person: Person, way: Floats, speed: Floats) -> Floats:
 
 
 def _cycling(way: Floats) -> Floats:
-    """Joints of a rider, relative to the pelvis."""
+    """Return the joints of a rider relative to the pelvis."""
     body = _trunk(np.full(len(way), np.radians(34.0)), nod=np.full(len(way), np.radians(8.0)))
     for side, shift, sign in (("l", 0.0, -1.0), ("r", np.pi, 1.0)):
         turn = 2 * np.pi * way / 4.6 + shift
@@ -176,7 +176,7 @@ def _cycling(way: Floats) -> Floats:
 
 
 def _on_bicycle(local: Floats) -> Floats:
-    """The rider lifted on the saddle, and the bicycle below."""
+    """Lift the rider onto the saddle, and add the bicycle below."""
     rider = local.copy()
     rider[:, :, 2] += 0.95 - rider[:, :1, 2]
     for name, forward, up in (
@@ -191,7 +191,7 @@ def _on_bicycle(local: Floats) -> Floats:
 
 
 def _trunk(lean: Floats, nod: Floats) -> Floats:
-    """Spine, neck and head; all limbs still NaN."""
+    """Return spine, neck and head, with all limbs NaN."""
     body = np.full((len(lean), len(JOINTS), 3), np.nan)
     spine = np.stack([np.sin(lean), np.zeros_like(lean), np.cos(lean)], axis=1)
     gaze = np.stack([np.sin(nod), np.zeros_like(nod), np.cos(nod)], axis=1)
@@ -224,5 +224,5 @@ def _arm(body: Floats, side: str, sign: float, arm: Floats, elbow: Floats) -> No
 
 
 def _swing(angle: Floats) -> Floats:
-    """Unit vector that hangs down at angle 0 and points forward at 90 degrees."""
+    """Return the unit vector that hangs down at angle 0 and points forward at 90 degrees."""
     return np.stack([np.sin(angle), np.zeros_like(angle), -np.cos(angle)], axis=1)

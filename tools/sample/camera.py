@@ -1,4 +1,4 @@
-"""The pinhole camera of the sample data and the car that carries it.
+"""Pinhole camera of the sample data and the car that carries it.
 
 Metres: x to the right of the camera, y up from the road, z ahead. Pixels: those of docs/formats.md,
 origin at the image's top-left corner, continuous.
@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 
 def frame_times() -> Floats:
-    """Time of every frame in seconds, shape (N_FRAMES,)."""
+    """Return the time of every frame in seconds, shape (N_FRAMES,)."""
     return np.arange(N_FRAMES) / FPS
 
 
@@ -32,11 +32,11 @@ class Camera:
     Attributes
     ----------
     horizon
-        Row of the horizon in pixels; above the image centre when the camera looks down.
+        Row of the horizon in pixels. It is above the image centre if the camera looks down.
     focal_px
-        Focal length in pixels; 1100 on 640 columns is a field of view of 32 degrees.
+        Focal length in pixels. 1100 on 640 columns is a field of view of 32 degrees.
     mount_m
-        Height of the camera over the road in metres.
+        Height of the camera above the road in metres.
     """
 
     horizon: float = HEIGHT / 2
@@ -49,7 +49,7 @@ class Camera:
         return float(np.arctan((HEIGHT / 2 - self.horizon) / self.focal_px))
 
     def project(self, points: Floats) -> tuple[Floats, Floats]:
-        """Image positions of points relative to the car.
+        """Project points relative to the car to the image.
 
         Parameters
         ----------
@@ -61,7 +61,7 @@ class Camera:
         pixels
             Shape (..., 2), column and row.
         depth
-            Metres along the optical axis, shape (...). Pixels are meaningful where it is positive.
+            Metres along the optical axis, shape (...). Pixels are valid only where it is positive.
         """
         sine, cosine = np.sin(self.pitch), np.cos(self.pitch)
         rise = points[..., 1] - self.mount_m
@@ -72,13 +72,13 @@ class Camera:
         return np.stack([column, row], axis=-1), depth
 
     def ground_depth(self, rows: Floats) -> Floats:
-        """Distance ahead in metres at which the road is seen on image rows below the horizon."""
+        """Return the distance ahead, m, at which the road appears on rows below the horizon."""
         angle = np.arctan((rows - HEIGHT / 2) / self.focal_px) + self.pitch
         return np.asarray(self.mount_m / np.tan(angle))
 
 
 def travelled(speed: tuple[tuple[float, float], ...]) -> Floats:
-    """Way of the car in metres at every frame.
+    """Return the distance travelled by the car in metres at every frame.
 
     Parameters
     ----------

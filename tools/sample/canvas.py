@@ -1,4 +1,4 @@
-"""Antialiased drawing of polygons and sprites on a grey picture, far things first."""
+"""Antialiased drawing of polygons and sprites on a grey picture, far objects first."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tools.sample.camera import HEIGHT, WIDTH, Camera, Floats
 
 Picture = NDArray[np.float32]
 Shape = tuple[Floats, float]
-"""Polygon in pixels, shape (corners, 2), and its grey."""
+"""Polygon in pixels, shape (corners, 2), and its grey level."""
 
 NEAR_M: Final = 0.8
 FRACTION_BITS: Final = 4
@@ -21,7 +21,7 @@ FRACTION_BITS: Final = 4
 
 
 def project_polygon(camera: Camera, corners: Floats) -> Floats | None:
-    """Image of a flat polygon, cut at the near plane; None where nothing is ahead."""
+    """Project a flat polygon, clipped at the near plane. Return None if nothing is ahead."""
     ahead = corners[:, 2] - NEAR_M
     if (ahead <= 0).all():
         return None
@@ -31,7 +31,7 @@ def project_polygon(camera: Camera, corners: Floats) -> Floats | None:
         crosses = (ahead > 0) != (after > 0)
         share = np.where(crosses, ahead / np.where(crosses, ahead - after, 1.0), 0.0)
         cuts = corners + share[:, None] * (following - corners)
-        # Every kept corner is followed by the cut of its edge, so order 2i, 2i + 1.
+        # The cut of an edge follows its kept corner, hence the order 2i, 2i + 1.
         both = np.stack([corners, cuts], axis=1).reshape(-1, 3)
         corners = both[np.stack([ahead > 0, crosses], axis=1).ravel()]
     pixels, _ = camera.project(corners)
@@ -39,7 +39,7 @@ def project_polygon(camera: Camera, corners: Floats) -> Floats | None:
 
 
 def fixed_point(polygon: Floats, left: int, top: int, scale: int) -> NDArray[np.int32]:
-    """Corners, pixels, as cv2 draws them in a layer that begins at (left, top), `scale` as fine."""
+    """Return corners in cv2's fixed-point format for a layer at (left, top) with `scale`."""
     place = (polygon - (left, top)) * scale - 0.5
     return np.round(np.clip(place, -8000, 8000) * (1 << FRACTION_BITS)).astype(np.int32)
 
@@ -47,7 +47,7 @@ def fixed_point(polygon: Floats, left: int, top: int, scale: int) -> NDArray[np.
 def placement(
     box: tuple[float, float, float, float], image: NDArray[np.float32], left: int, top: int
 ) -> Floats:
-    """The map, shape (2, 3), of an image's pixels into a box of a layer that begins at (left, top).
+    """Return the map, (2, 3), from an image's pixels to a box in a layer at (left, top).
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def placement(
 
 
 class Canvas:
-    """A grey picture that shapes are painted on."""
+    """Grey picture that shapes are painted on."""
 
     def __init__(self, picture: Picture):
         self.picture = picture
@@ -156,7 +156,7 @@ _MOTTLE: list[Picture] = []
 
 
 def _mottle() -> Picture:
-    """Soft noise of unit amplitude over the picture, made once."""
+    """Return soft noise of unit amplitude over the picture, computed once."""
     if not _MOTTLE:
         rough = np.random.default_rng(5).standard_normal((HEIGHT, WIDTH)).astype(np.float32)
         soft = cv2.GaussianBlur(rough, (0, 0), 2.5)

@@ -1,4 +1,4 @@
-"""Drawing of what stands beside the road: houses, trees, lamps, poles, signs, posts, cabinets."""
+"""Drawing of roadside objects: houses, trees, lamps, poles, signs, posts, cabinets."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ HAZE_M: Final = 240.0
 
 
 def hazed(grey: float, depth_m: float, climate: Climate) -> float:
-    """Grey of a thing as it arrives through `depth_m` metres of air."""
+    """Return the grey level of an object seen through `depth_m` metres of air."""
     return climate.haze + (grey - climate.haze) * float(np.exp(-max(depth_m, 0.0) / HAZE_M))
 
 
 def upright(x0: float, x1: float, y0: float, y1: float, z: float) -> Floats:
-    """Rectangle that faces the camera, shape (4, 3)."""
+    """Return a rectangle that faces the camera, shape (4, 3)."""
     return np.array([[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]])
 
 
 def sidewall(x: float, y0: float, y1: float, z0: float, z1: float) -> Floats:
-    """Rectangle along the road, shape (4, 3)."""
+    """Return a rectangle along the road, shape (4, 3)."""
     return np.array([[x, y0, z0], [x, y0, z1], [x, y1, z1], [x, y1, z0]])
 
 
 class Sketch:
-    """Collects polygons in space, in painting order, and projects them in one go."""
+    """Collector of polygons in space, in painting order, that are projected in one go."""
 
     def __init__(self, camera: Camera, climate: Climate):
         self._camera, self._climate = camera, climate
@@ -50,7 +50,7 @@ class Sketch:
 
     @property
     def shapes(self) -> list[Shape]:
-        """Shapes of the image, hazed by their distance."""
+        """Return the shapes in the image, hazed by their distance."""
         if not self._corners:
             return []
         counts = [len(corners) for corners in self._corners]
@@ -74,7 +74,7 @@ class Sketch:
 def draw_thing(
     canvas: Canvas, thing: Thing, ahead_m: float, camera: Camera, climate: Climate
 ) -> None:
-    """Paint one thing whose near side is `ahead_m` metres ahead."""
+    """Paint one object whose near side is `ahead_m` metres ahead."""
     if thing.kind in ("tree", "bush"):
         _plant(canvas, thing, ahead_m, camera, climate)
         return
@@ -151,7 +151,7 @@ def _gable_windows(
 def _window(
     sketch: Sketch, generator: np.random.Generator, x: float, low: float, middle: float, base: float
 ) -> None:
-    """Heated rooms show: warm frame, warm lintel, a warm patch where the radiator is."""
+    """Draw a heated room's window: warm frame, warm lintel, and a warm patch at the radiator."""
     heated = generator.random() < 0.45
     warm = float(generator.uniform(20, 64)) if heated else -9.0
     if heated:
@@ -201,7 +201,7 @@ def _pole(sketch: Sketch, thing: Thing, z: float, things: float) -> None:
 
 
 def _sign(sketch: Sketch, thing: Thing, z: float, things: float) -> None:
-    """Bare metal mirrors the cold sky: signs are dark in the far infrared."""
+    """Draw a sign, which is dark in the far infrared because bare metal mirrors the cold sky."""
     _mast(sketch, thing.x, 0.07, thing.size_m - 0.1, z, things - 8)
     half, top = thing.width_m / 2, thing.size_m
     sketch.add(upright(thing.x - half, thing.x + half, top - thing.width_m, top, z), things - 30)
@@ -245,7 +245,7 @@ def _plant(canvas: Canvas, thing: Thing, z: float, camera: Camera, climate: Clim
     scale = camera.focal_px / float(depth)
     height = thing.size_m * scale * 1.02
     wide = (thing.width_m if thing.kind == "bush" else thing.size_m * 0.72) * scale
-    # A sprite far larger than its place is read from a halved copy, else it would sparkle.
+    # A sprite far larger than its place is read from a halved copy to avoid sparkling.
     shrink = max(_SPRITE[0] / max(height, 1.0), _SPRITE[1] / max(wide, 1.0))
     image, cover = levels[int(np.clip(np.floor(np.log2(max(shrink, 1.0))), 0, len(levels) - 1))]
     tone = hazed(climate.things - 1 + seed % 9, z, climate)
@@ -256,7 +256,7 @@ def _plant(canvas: Canvas, thing: Thing, z: float, camera: Camera, climate: Clim
 
 @lru_cache(maxsize=16)
 def foliage(seed: int, low: bool) -> tuple[tuple[Picture, Picture], ...]:
-    """A tree or bush as image and cover, in full size and halved five times."""
+    """Return a tree or bush as image and cover, in full size and halved five times."""
     generator = np.random.default_rng([13, seed, int(low)])
     rows, columns = _SPRITE
     y, x = np.mgrid[0:rows, 0:columns].astype(np.float32)

@@ -22,7 +22,7 @@ _CIRCLE: Final = np.stack(
 
 
 def capsule_outline(a: Floats, b: Floats, radius_a: float, radius_b: float) -> Floats:
-    """Outline of a tapered capsule between two image points, shape (corners, 2)."""
+    """Return the outline of a tapered capsule between two image points, shape (corners, 2)."""
     along = b - a
     angle = np.arctan2(along[1], along[0])
     turn = np.linspace(np.pi / 2, 3 * np.pi / 2, 9) + angle
@@ -41,7 +41,7 @@ def draw_person(
     body
         Joints relative to the car at this frame, metres, shape (joints, 3).
     haze
-        Share of the grey that the air between leaves, 0 to 1.
+        Share of the grey level that remains after haze, 0 to 1.
     """
     pixels, depth = camera.project(body)
     if depth[0] < 1.5:
@@ -81,7 +81,7 @@ def draw_person(
 def _grey(part: str, person: Person, climate: Climate, *, away: bool, haze: float) -> float:
     share = _WARMTH[part]
     if part == "head":
-        # Hair and hoods insulate: the back of a head is cooler than a face.
+        # Hair and hoods insulate, so the back of a head is cooler than a face.
         share *= (0.66 if away else 0.76) * (0.86 + 0.14 * person.warmth)
     elif part == "hand":
         share *= 0.75 + 0.25 * person.warmth
@@ -92,7 +92,7 @@ def _grey(part: str, person: Person, climate: Climate, *, away: bool, haze: floa
 
 
 def _core(ends: Floats, size: Floats, grey: float, order: float) -> list[tuple[float, Shape]]:
-    """A core inside each limb: cloth lies on the body there and is warmer."""
+    """Return a core inside each limb, which is warmer because cloth lies on the body there."""
     if size.max() < 1.2:
         return []
     return [
@@ -113,7 +113,7 @@ def _face(
     haze: float,
     order: float,
 ) -> tuple[float, Shape]:
-    """The bare face, on the side to which the toes point."""
+    """Return the bare face, on the side to which the toes point."""
     aside = float(np.clip((body[8, 0] + body[12, 0] - body[7, 0] - body[11, 0]) / 0.35, -1, 1))
     shift = np.array([0.32 * aside * size[0], 0.12 * size[0]])
     around = climate.things + 4
@@ -125,7 +125,7 @@ def _face(
 def _bicycle(
     pixels: Floats, depth: Floats, scale: Floats, climate: Climate
 ) -> list[tuple[float, Shape]]:
-    """Wheels seen from behind or ahead are thin; the frame is a few bars."""
+    """Return the wheels, which are thin from behind or ahead, and the bars of the frame."""
     order = -float(depth[0]) - 0.02
     cold, warm = climate.things - 18, climate.things + 48
     back, front, saddle, crank, bar = pixels[21:26]

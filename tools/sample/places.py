@@ -16,12 +16,12 @@ COUNTRY: Final = Road(left=-5.2, right=1.75)
 def town_things(
     seed: int, length_m: float = 240.0, *, left: float = -12.5, right: float = 9.5
 ) -> tuple[Thing, ...]:
-    """Houses on both sides with gaps, lamps and a few trees."""
+    """Return houses on both sides with gaps, lamps and a few trees."""
     return tuple(_town(np.random.default_rng([7, seed]), length_m, left, right))
 
 
 def country_things(seed: int, length_m: float = 420.0) -> tuple[Thing, ...]:
-    """Trees and bushes on both sides, marker posts every 50 m and a line of poles."""
+    """Return trees and bushes on both sides, marker posts every 50 m and a line of poles."""
     return tuple(_country(np.random.default_rng([8, seed]), length_m))
 
 

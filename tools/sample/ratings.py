@@ -1,4 +1,4 @@
-"""Simulated ratings of the sample recordings: no person rated them."""
+"""Simulated ratings of the sample recordings. No person rated them."""
 
 from __future__ import annotations
 
@@ -21,21 +21,22 @@ MISSING_SHARE: Final = 0.03
 TASTE: Final = 0.6
 """Noise of one rating, as a share of the clips' spread in annoyance."""
 UNEXPLAINED: Final = 0.35
-"""What all participants feel alike and saliency does not know, as a share of that spread."""
+"""Shared annoyance not explained by saliency, as a share of that spread."""
 CONTRARY: Final = 11
-"""Number of the participant who takes the scale the wrong way round."""
+"""Number of the participant who inverts the scale."""
 SEED: Final = 360
 HABIT: Final[dict[str, Any]] = {"recency_midpoint": 0.25, "recency_spread": 0.2, "tolerance": 0.1}
-"""What annoys the simulated people: the settings differ from the defaults, so that a fit finds
-something."""
+"""Saliency settings of the simulated participants. They differ from the defaults, so that a fit has
+something to find.
+"""
 
 
 def simulate_ratings(session_file: Path) -> pd.DataFrame:
     """Simulate ratings of every recording with the boxes of each system, the same on every call.
 
     Each participant rates the logarithm of an annoyance that follows saliency with other settings
-    than the default ones, with habits of their own in level, width and noise; some ratings are
-    missing, and one participant takes the scale the wrong way round.
+    than the default ones, with individual level, width and noise. Some ratings are missing, and one
+    participant inverts the scale.
 
     Returns
     -------
@@ -49,7 +50,7 @@ def simulate_ratings(session_file: Path) -> pd.DataFrame:
     rng = np.random.default_rng(SEED)
     annoyance += rng.normal(0, UNEXPLAINED, len(annoyance))
     rows = []
-    for number in range(N_PARTICIPANTS):  # over people
+    for number in range(N_PARTICIPANTS):  # over participants
         level, width = rng.normal(4, 0.5), rng.uniform(1.0, 1.8)
         felt = annoyance + rng.normal(0, TASTE, len(annoyance))
         if number == CONTRARY:
@@ -63,6 +64,6 @@ def simulate_ratings(session_file: Path) -> pd.DataFrame:
 
 
 def ratings_text(table: pd.DataFrame) -> str:
-    """Return ratings as CSV, missing ones empty, with the same bytes on every system."""
+    """Return ratings as CSV, missing ones empty, with equal bytes on every system."""
     whole = table.assign(rating=table["rating"].astype("Int64"))
     return str(whole.to_csv(index=False, lineterminator="\n"))

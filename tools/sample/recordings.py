@@ -1,4 +1,4 @@
-"""The ten recordings: who walks where, in what clothes, past which cars and lamps."""
+"""The ten recordings: people with their paths and clothes, and the cars and lamps they pass."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SUMMER: Final = Climate(road=134, grass=108, sky=62, haze=106, things=122, skin=
 
 
 def _along(x: float, z: float, speed: float) -> tuple[tuple[float, float, float], ...]:
-    """Straight walk along the road; `speed` is negative towards the car."""
+    """Walk straight along the road. `speed` is negative towards the car."""
     return ((0.0, x, z), (15.0, x, z + 15 * speed))
 
 
@@ -27,7 +27,7 @@ def _across(
 
 
 def all_recordings() -> tuple[Recording, ...]:
-    """Every recording of the sample data, in the order of the session file."""
+    """Return all recordings of the sample data, in the order of the session file."""
     return (
         _urban_crossing(),
         _urban_sidewalk(),

@@ -1,4 +1,4 @@
-"""Pictures of a recording as a far-infrared camera would give them."""
+"""Far-infrared pictures of a recording."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _NOISE_FRAMES: Final = 7
 
 
 def pictures(recording: Recording) -> Iterator[NDArray[np.uint8]]:
-    """Grey pictures of a recording in frame order, each of shape (HEIGHT, WIDTH)."""
+    """Yield grey pictures of a recording in frame order, each of shape (HEIGHT, WIDTH)."""
     ground, backdrop = Ground(recording), sky(recording)
     bodies = [joints(person) for person in recording.people]
     sensor = Sensor(zlib.crc32(recording.name.encode()))
@@ -35,7 +35,7 @@ def pictures(recording: Recording) -> Iterator[NDArray[np.uint8]]:
 
 
 def _stand(picture: Picture, recording: Recording, bodies: list[Floats], frame: int) -> None:
-    """Paint everything that stands on the ground, far things first."""
+    """Paint everything that stands on the ground, far objects first."""
     canvas, camera, climate = Canvas(picture), recording.camera, recording.climate
     way = float(recording.way()[frame])
     now = [body[frame] for body in bodies]
@@ -64,9 +64,9 @@ class Sensor:
         self._order = generator
 
     def read(self, scene: Picture) -> NDArray[np.uint8]:
-        """Picture of 8 bits from a scene in greys of 0 to 255."""
+        """Return an 8-bit picture from a scene with grey levels of 0 to 255."""
         sharp = cv2.GaussianBlur(scene, (0, 0), 0.75)
-        # Image processing in the camera: a little local contrast, which rings at hot edges.
+        # Image processing in the camera: slight local contrast, which rings at hot edges.
         wide = cv2.GaussianBlur(
             cv2.resize(sharp, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA), (0, 0), 2.2
         )

@@ -1,4 +1,4 @@
-"""What a recording is made of: the road, people, vehicles and things that stand beside the road.
+"""Parts of a recording: the road, people, vehicles and roadside objects.
 
 Positions are metres in the world of a recording: x to the right of the car's lane centre, z along
 the road from where the car starts.
@@ -14,7 +14,7 @@ from typing import Final
 from tools.sample.camera import FPS, Camera, Floats, travelled
 
 _FARTHEST_M: Final = 260.0
-"""What stands farther away is not painted."""
+"""Maximum distance of painted objects."""
 
 Keys = tuple[tuple[float, float], ...]
 """Pairs of time in seconds and value, linear in between."""
@@ -22,7 +22,7 @@ Keys = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True)
 class Person:
-    """A pedestrian, or a cyclist.
+    """Pedestrian or cyclist.
 
     Attributes
     ----------
@@ -33,13 +33,13 @@ class Person:
     warmth
         Warmth of the clothed body in the far infrared, 0 (as cold as the night) to 1 (as skin).
     reflectance
-        Share of near-infrared light that the clothes give back, 0 to 1.
+        Share of near-infrared light that the clothes reflect, 0 to 1.
     facing_deg
-        Where a standing person looks: 0 along the road, 180 towards the car, 90 to the right.
+        Direction in which a standing person looks: 0 along the road, 180 towards the car, 90 right.
     crouch, bend
         Amount from 0 to 1 over time.
     cyclist
-        Rides a bicycle; annotated as an ignore region.
+        True for a person on a bicycle, who is annotated as an ignore region.
     """
 
     path: tuple[tuple[float, float, float], ...]
@@ -54,9 +54,9 @@ class Person:
 
 @dataclass(frozen=True)
 class Car:
-    """A parked or moving vehicle; `z` is the middle of it.
+    """Parked or moving vehicle. `z` is its middle.
 
-    `heat` is the warmth of its engine from 0 to 1; `lights` says whether its headlamps dazzle the
+    `heat` is the warmth of its engine from 0 to 1. `lights` is True if its headlamps dazzle the
     near-infrared camera.
     """
 
@@ -74,14 +74,14 @@ class Car:
 
 @dataclass(frozen=True)
 class Thing:
-    """Something that stands beside the road.
+    """Roadside object.
 
-    `kind` is one of tree, bush, lamp, pole, sign, post, cabinet, house; by visible light also
-    plate, a sign without a mast. `size_m` is its height, `width_m` and `depth_m` its extent where
-    the kind does not say it. `heat` runs from 0 to 1.
-    `tempt` is how readily a system takes it for a pedestrian (log-odds at the best size); None:
-    never. A hot thing tempts the far-infrared system, a sign or post the near-infrared one.
-    `shows` is what stands on a sign by visible light: a number, or ``"end"`` for a crossed one.
+    `kind` is one of tree, bush, lamp, pole, sign, post, cabinet, house, and in visible light also
+    plate, a sign without a mast. `size_m` is its height, `width_m` and `depth_m` its extent if the
+    kind does not determine it. `heat` runs from 0 to 1. `tempt` is how readily a system takes it
+    for a pedestrian (log-odds at the best size), None for never. Hot objects tempt the far-infrared
+    system, signs and posts the near-infrared one. `shows` is the text of a sign in visible light: a
+    number, or ``"end"`` for a crossed-out sign.
     """
 
     kind: str
@@ -99,7 +99,7 @@ class Thing:
 class Road:
     """Cross-section of the road: edges in metres from the lane centre, positive to the right.
 
-    The carriageway reaches from `left` to `right`; then come parking strips and pavements (both 0
+    The carriageway reaches from `left` to `right`. Next come parking strips and pavements (both 0
     in the country), then grass. `zebras` are the positions of pedestrian crossings.
     """
 
@@ -113,10 +113,10 @@ class Road:
 
 @dataclass(frozen=True)
 class Climate:
-    """How the night looks in the far infrared: greys of 0 to 255 before noise.
+    """Appearance of the night in the far infrared: grey levels of 0 to 255 before noise.
 
-    `contrast` is the share of the usual difference between people and the world; it falls on a
-    warm summer night.
+    `contrast` is the share of the usual difference between people and surroundings. It is lower on
+    a warm summer night.
     """
 
     road: float = 82.0
@@ -130,7 +130,7 @@ class Climate:
 
 @dataclass(frozen=True)
 class Recording:
-    """One recording: the drive, the place with its traffic context, and everybody in it."""
+    """Recording: the drive, the place with its traffic context, and everybody in it."""
 
     name: str
     text: str
@@ -146,16 +146,16 @@ class Recording:
 
     @property
     def camera(self) -> Camera:
-        """The camera of this recording."""
+        """Return the camera of this recording."""
         return Camera(horizon=self.horizon)
 
     def way(self) -> Floats:
-        """Position of the car along the road at every frame, metres."""
+        """Return the position of the car along the road at every frame, metres."""
         return travelled(self.speed)
 
 
 class Kind(Enum):
-    """What stands on the ground."""
+    """Kind of object that stands on the ground."""
 
     THING = auto()
     CAR = auto()
@@ -165,15 +165,15 @@ class Kind(Enum):
 def far_first(
     recording: Recording, bodies: Sequence[Floats], frame: int
 ) -> Iterator[tuple[Kind, int, float]]:
-    """What stands on the ground in a frame in the order of painting: kind, index, metres ahead.
+    """Yield the objects on the ground in painting order: kind, index, metres ahead.
 
     Parameters
     ----------
     bodies
-        Joints of the people who are painted, in the world, each of shape (joints, 3).
+        Joints of the people to paint, in the world, each of shape (joints, 3).
     """
     way = float(recording.way()[frame])
-    # Houses stand behind everything that they meet in the image, so they come first.
+    # Houses stand behind everything that they overlap in the image, so they come first.
     depths = [
         *(
             (thing.kind == "house", thing.z - way, Kind.THING, index)

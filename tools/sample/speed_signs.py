@@ -1,7 +1,7 @@
-"""A second, small sample: three drives past speed signs, and two systems that read them.
+"""Second, small sample: three drives past speed signs, and two systems that read them.
 
-The drives are rendered as those of `tools.sample.visible`, in one picture per frame. What the
-systems make of each sign is written down beside it: how far they read it, and as what.
+The drives are rendered as in `tools.sample.visible`, with one picture per frame. The systems' range
+and reading of each sign are given explicitly.
 """
 
 from __future__ import annotations
@@ -33,25 +33,25 @@ FOLDER: Final = "speed_signs"
 SYSTEMS: Final = {"Mono": "mono.csv", "Stereo": "stereo.csv"}
 SIZE: Final = (640, 360)
 _NEVER: Final = 3.0
-"""A reach at which every sign has left the picture."""
+"""Reach at which every sign has left the picture."""
 _STREET: Final = Road(left=-5.1, right=1.7, pavement=2.6)
 _LEAST_SCORE: Final = 0.12
 _QUALITY: Final = "33"
-"""Of the videos: about 300 kB each."""
+"""Quality (crf) of the videos, about 300 kB each."""
 
 
 @dataclass(frozen=True)
 class Sign:
-    """A sign, or a plate that is none of the truth, and what the systems make of it.
+    """Sign, or plate that is not part of the truth, with the systems' results.
 
     Attributes
     ----------
     thing
-        What is drawn.
+        Object to draw.
     reach_m
-        How far each system reads it, in the order of `SYSTEMS`.
+        Distance from which each system reads it, in the order of `SYSTEMS`.
     reads
-        What each reads, a number or ``"end"``; None: what it shows.
+        Reading of each system, a number or ``"end"``. None: the correct one.
     """
 
     thing: Thing
@@ -61,21 +61,21 @@ class Sign:
 
 @dataclass(frozen=True)
 class Drive:
-    """A recording without people, and its signs."""
+    """Recording without people, with its signs."""
 
     recording: Recording
     signs: tuple[Sign, ...]
 
     @property
     def view(self) -> View:
-        """The camera."""
+        """Return the camera."""
         return View(self.recording.camera, *SIZE, scale=1.0, dx=0.0, dy=-60.0)
 
 
 def _drive(
     name: str, text: str, kmh: Keys, *signs: Sign, things: tuple[Thing, ...], **more: Any
 ) -> Drive:
-    """A drive whose speed is given in seconds and km/h."""
+    """Return a drive whose speed is given in seconds and km/h."""
     speed = tuple((time_s, value / KMH) for time_s, value in kmh)
     things = (*things, *(sign.thing for sign in signs))
     return Drive(Recording(name, text, speed, (), things=things, **more), signs)
@@ -124,7 +124,7 @@ DRIVES: Final = (
 
 
 def tables() -> dict[str, pd.DataFrame]:
-    """Truth and detections, one table per file name."""
+    """Return truth and detections, one table per file name."""
     parts: dict[str, list[pd.DataFrame]] = {TRUTH_FILE: []}
     parts |= {path: [] for path in SYSTEMS.values()}
     for drive in DRIVES:
@@ -150,7 +150,7 @@ def tables() -> dict[str, pd.DataFrame]:
 
 
 def _edges(thing: Thing, view: View, ahead_m: Floats) -> Floats:
-    """Left, top, right, bottom of a sign at every frame, pixels, shape (N_FRAMES, 4)."""
+    """Return left, top, right, bottom of a sign at every frame, pixels, shape (N_FRAMES, 4)."""
     half, low = thing.width_m / 2, thing.size_m - thing.width_m
     plate = upright(thing.x - half, thing.x + half, low, thing.size_m, 0.0)
     corners = plate + np.maximum(ahead_m, 0.6)[:, None, None] * np.array([0.0, 0.0, 1.0])
@@ -168,7 +168,7 @@ def _annotated(edges: Floats, ahead_m: Floats) -> NDArray[np.int64]:
 def _boxes(
     name: str, frames: NDArray[np.int64], edges: Floats, ahead_m: Floats, shows: str
 ) -> pd.DataFrame:
-    """Rows of a file: boxes of these frames, clipped to the picture, in quarters of a pixel."""
+    """Return rows of a file: boxes clipped to the picture, in quarters of a pixel."""
     x0, y0, x1, y1 = (np.round(4 * np.clip(edges[frames], 0.0, [*SIZE, *SIZE])) / 4).T
     kind = "end of speed limit" if shows == "end" else f"speed limit {shows}"
     table = pd.DataFrame({"recording": name, "frame": frames, "x": x0, "y": y0})
@@ -178,7 +178,7 @@ def _boxes(
 def _detected(
     generator: np.random.Generator, reach_m: float, edges: Floats, ahead_m: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """Scores, boxes and distances of a system at every frame."""
+    """Return scores, boxes and distances of a system at every frame."""
     ease = np.log(reach_m / np.maximum(ahead_m, 1.0))
     ease += 0.08 * wandering(generator, hold_s=0.5)
     drift = np.stack([wandering(generator, hold_s=0.3) for _ in range(4)], axis=1)
@@ -188,7 +188,7 @@ def _detected(
 
 
 def session_text() -> str:
-    """The session file."""
+    """Return the text of the session file."""
     parts = [
         f'[[recording]]\nname = "{name}"\nwidth = {SIZE[0]}\nheight = {SIZE[1]}\n'
         f'fps = {FPS}\nframes = "0:{N_FRAMES - 1}"\nhorizon = {drive.view.horizon:.1f}\n'
@@ -214,7 +214,7 @@ def session_text() -> str:
 
 
 def files() -> dict[str, str]:
-    """Texts of all files but the videos, by name."""
+    """Return the texts of all files except the videos, by name."""
     time_s = np.round(np.arange(0, N_FRAMES / FPS + 0.01, 0.1), 1)
     speeds: dict[str, pd.DataFrame] = {}
     for drive in DRIVES:
@@ -226,7 +226,7 @@ def files() -> dict[str, str]:
 
 
 def write_speed_signs(folder: Path) -> None:
-    """Write it into ``speed_signs`` of a folder."""
+    """Write the sample into the subfolder ``speed_signs`` of a folder."""
     own = folder / FOLDER
     own.mkdir(exist_ok=True)
     for path, text in files().items():

@@ -1,18 +1,20 @@
-"""The simulated systems: what each detects, with what score, and what it takes for a person.
+"""Simulated systems: their detections, scores, and false alarms.
 
-All are pure range models with memory. A person is detected as far as `reach` metres; the score is
-a logistic function of log(reach / distance) plus a slowly wandering disturbance, so that losses
-last for some frames instead of flickering at random. All report distances, with an error that is a
-share of the distance, wanders slowly, and grows with it.
+All are pure range models with memory. A person is detected up to `reach` metres. The score is a
+logistic function of log(reach / distance) plus a slowly wandering disturbance, so that losses last
+for some frames instead of flickering at random. All report distances, whose error is a share of the
+distance, wanders slowly, and grows with it.
 
-- FIR, far infrared: sees warmth. Long reach; short for cold clothes, crouching bodies and on warm
-  nights; alarmed by hot things. Distance by the row of the feet: coarse, more so far away.
-- NIR, near infrared: sees what its lamp lights. Shorter reach, less for dark clothes and off to the
-  side; blind near dazzling headlamps; alarmed by reflecting signs and posts. Distance by the flight
-  of its lamp's pulses: fine.
-- NIR 2, the next version of NIR: the same camera, a lamp that reaches farther in a narrower beam,
-  less blind near headlamps, more careful with signs. So it mends misses far ahead and in glare, and
-  newly misses people off to the side.
+- FIR, far infrared: sees warmth. Its reach is long, but short for cold clothes, crouching bodies
+and
+  on warm nights. Hot objects cause false alarms. Distance comes from the row of the feet: coarse,
+  especially far away.
+- NIR, near infrared: sees what its lamp illuminates. Its reach is shorter, even more so for dark
+  clothes and off to the side, and it is blind near dazzling headlamps. Reflecting signs and posts
+  cause false alarms. Distance comes from the flight time of its lamp's pulses: fine.
+- NIR 2, the next version of NIR: the same camera, with a lamp that reaches farther in a narrower
+  beam, less blind near headlamps, more careful with signs. So it fixes misses far ahead and in
+  glare, and newly misses people off to the side.
 """
 
 from __future__ import annotations
@@ -38,7 +40,7 @@ FIR_REACH_M: Final = 72.0
 
 @dataclass(frozen=True)
 class Lamp:
-    """What a version of NIR sees by: reach and half width of its beam, dazzle, care with signs."""
+    """Lamp and behaviour of a version of NIR: reach, half beam width, dazzle, care with signs."""
 
     reach_m: float
     beam_m: float
@@ -48,13 +50,13 @@ class Lamp:
 
 LAMPS: Final = {"NIR": Lamp(46.0, 15, 1.7), "NIR 2": Lamp(60.0, 10, 0.8, care=0.3)}
 RANGING: Final = {"FIR": (0.03, 0.0015), **dict.fromkeys(LAMPS, (0.015, 0.0005))}
-"""Standard deviation of a system's distances, as a share: at 0 m, and more for every metre."""
+"""Standard deviation of a system's distances as a share: at 0 m, and increase per metre."""
 _LOWEST_SCORE: Final = 0.12
 _HIGHEST_SCORE: Final = 0.985
 
 
 def wandering(generator: np.random.Generator, *, hold_s: float, n: int = N_FRAMES) -> Floats:
-    """First-order autoregressive noise of unit variance that forgets in about `hold_s` seconds."""
+    """Return AR(1) noise of unit variance that decorrelates in about `hold_s` seconds."""
     keep = float(np.exp(-1 / (FPS * hold_s)))
     noise = generator.standard_normal(n)
     noise[1:] *= np.sqrt(1 - keep**2)
@@ -62,7 +64,7 @@ def wandering(generator: np.random.Generator, *, hold_s: float, n: int = N_FRAME
 
 
 def detections(recording: Recording, visible: list[Sighting], *, system: str) -> pd.DataFrame:
-    """Detections of one system in one recording, all scores.
+    """Return the detections of one system in one recording, with all scores.
 
     Parameters
     ----------
@@ -90,9 +92,9 @@ def detections(recording: Recording, visible: list[Sighting], *, system: str) ->
 
 
 def _generator(recording: Recording, system: str, number: int) -> np.random.Generator:
-    """Random numbers of one object, so that a change of one leaves all others as they were.
+    """Return the random numbers of one object, independent of those of all others.
 
-    The versions of NIR, which are one camera, have the same.
+    The versions of NIR share them because they are one camera.
     """
     return np.random.default_rng(
         [SEED, zlib.crc32(recording.name.encode()), ord(system[0]), number]
@@ -116,7 +118,7 @@ def _log_reach(recording: Recording, sighting: Sighting, system: str) -> Floats:
 
 
 def _glare(recording: Recording, sighting: Sighting) -> Floats:
-    """Dazzle by headlamps at a person's place in the image, 0 to 1."""
+    """Return the dazzle by headlamps at a person's place in the image, 0 to 1."""
     way, columns = recording.way(), (sighting.edges[:, 0] + sighting.edges[:, 2]) / 2
     dazzle = np.zeros(N_FRAMES)
     for car in recording.cars:
@@ -132,10 +134,10 @@ def _glare(recording: Recording, sighting: Sighting) -> Floats:
 
 
 def ranged(generator: np.random.Generator, distance_m: Floats, system: str) -> Floats:
-    """Distances in metres as a system reports them at every frame, shape (N_FRAMES,)."""
+    """Return distances in metres as a system reports them at every frame, shape (N_FRAMES,)."""
     at_zero, per_metre = RANGING[system]
     spread = at_zero + per_metre * distance_m
-    # most of it is geometry that changes slowly, the rest is of each picture
+    # most of the error is geometry that changes slowly, the rest varies by picture
     slow, quick = wandering(generator, hold_s=0.6), generator.standard_normal(N_FRAMES)
     return np.asarray(distance_m * np.exp(spread * (0.9 * slow + np.sqrt(1 - 0.9**2) * quick)))
 
@@ -149,13 +151,13 @@ def _person(
     ease = ease + 0.02 * generator.standard_normal(N_FRAMES)
     scores = _HIGHEST_SCORE / (1 + np.exp(-5.0 * ease))
     frames = np.flatnonzero(sighting.annotated & (scores >= _LOWEST_SCORE))
-    # Localisation wanders with the pose and the pixels; small and doubtful boxes are looser.
+    # Localisation wanders with the pose and the pixels. Small and doubtful boxes are looser.
     size = sighting.edges[:, 2:] - sighting.edges[:, :2]
     loose = (0.55 + 0.9 * (1 - scores))[:, None]
     drift = np.stack([wandering(generator, hold_s=0.4) for _ in range(4)], axis=1)
     middle = (sighting.edges[:, 2:] + sighting.edges[:, :2]) / 2
     middle = middle + loose * drift[:, :2] * (0.2 + np.array([0.07, 0.035]) * size)
-    # Detectors answer with boxes of a typical shape, not with the swing of the legs.
+    # Detectors respond with boxes of a typical shape, independent of the swing of the legs.
     usual = np.array([0.36, 0.0]) * size[:, 1:] + np.array([0.0, 1.0]) * size
     size = 0.6 * size + 0.4 * usual
     size = size * np.exp(loose * drift[:, 2:] * np.array([0.10, 0.06]))
@@ -165,7 +167,7 @@ def _person(
 
 
 def _tempting(recording: Recording, system: str) -> list[Thing]:
-    """What a system may take for a person, as upright things."""
+    """Return the objects that a system may take for a person, as upright things."""
     is_warmth = system == "FIR"
     kinds = ("cabinet", "lamp", "bush", "house") if is_warmth else ("sign", "post", "pole")
     things = [t for t in recording.things if t.tempt is not None and t.kind in kinds]
@@ -206,7 +208,7 @@ def _false_alarm(
 
 
 def _noise(generator: np.random.Generator, camera: Camera, system: str) -> pd.DataFrame:
-    """Faint detections of nothing, two to five frames long, all below the threshold."""
+    """Return faint detections of nothing, two to five frames long, all below the threshold."""
     n = 34
     starts = generator.integers(0, N_FRAMES - 5, n)
     lengths = generator.integers(2, 6, n)

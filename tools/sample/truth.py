@@ -1,4 +1,4 @@
-"""Where every person is in the image, how far away and how hidden: the truth of a recording."""
+"""Ground truth of a recording: image position, distance and occlusion of every person."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ _BLOCKING: Final = {"tree": 0.16, "bush": 0.9, "cabinet": 1.0, "house": 1.0}
 
 @dataclass(frozen=True)
 class Sighting:
-    """One person as the camera sees it at every frame.
+    """One person as seen by the camera at every frame.
 
     Attributes
     ----------
     edges
-        Left, top, right, bottom in pixels, not clipped, shape (frames, 4).
+        Left, top, right, bottom in pixels, unclipped, shape (frames, 4).
     depth_m
         Metres along the optical axis, shape (frames,).
     distance_m
@@ -44,7 +44,7 @@ class Sighting:
     lateral_m
         Metres to the right of the camera, shape (frames,).
     hidden
-        Share of the box that nearer things cover, shape (frames,).
+        Share of the box that nearer objects cover, shape (frames,).
     inside
         Share of the box inside the picture, shape (frames,).
     annotated
@@ -62,12 +62,12 @@ class Sighting:
 
 
 def body_edges(person: Person, world: Floats, camera: Camera) -> tuple[Floats, Floats]:
-    """Unclipped box edges of a person from joints relative to the car, and the depth.
+    """Return unclipped box edges of a person, and the depth, from joints relative to the car.
 
     Parameters
     ----------
     world
-        Joints as `tools.sample.body.joints` gives them, less the way of the car.
+        Joints as in `tools.sample.body.joints`, minus the distance travelled by the car.
     """
     pixels, depth = camera.project(world)
     ends = np.array([[limb.a, limb.b] for limb in CAPSULES]).ravel()
@@ -82,7 +82,7 @@ def body_edges(person: Person, world: Floats, camera: Camera) -> tuple[Floats, F
 
 
 def sightings(recording: Recording) -> list[Sighting]:
-    """Every person of a recording as the camera sees it."""
+    """Return every person of a recording as seen by the camera."""
     camera, way = recording.camera, recording.way()
     shift = np.stack([np.zeros_like(way), np.zeros_like(way), way], axis=1)
     bodies = [joints(person) - shift[:, None, :] for person in recording.people]
@@ -103,7 +103,7 @@ def sightings(recording: Recording) -> list[Sighting]:
 
 
 def truth_table(recording: Recording, visible: list[Sighting]) -> pd.DataFrame:
-    """Truth of one recording: boxes clipped to the picture, in quarters of a pixel."""
+    """Return the truth of one recording: boxes clipped to the picture, in quarters of a pixel."""
     parts = [
         _rows(recording.name, track, sighting) for track, sighting in enumerate(visible, start=1)
     ]
@@ -112,7 +112,7 @@ def truth_table(recording: Recording, visible: list[Sighting]) -> pd.DataFrame:
 
 
 def clipped(edges: Floats) -> Floats:
-    """Edges clipped to the picture and rounded to quarters, which binary numbers hold exactly."""
+    """Clip edges to the picture and round them to quarters, which floats represent exactly."""
     inside = np.clip(edges, 0.0, [WIDTH, HEIGHT, WIDTH, HEIGHT])
     return np.asarray(np.round(inside * 4) / 4)
 
@@ -153,7 +153,7 @@ def _sighting(
     inside = np.where(near, inside, 0.0)
     present = (inside >= MIN_INSIDE) & (size[:, 1] >= MIN_HEIGHT_PX)
     visible = present & (hidden <= MAX_HIDDEN)
-    # From entry to exit: who disappears behind a car for a while stays annotated, as occluded.
+    # From entry to exit: a person hidden behind a car for a while stays annotated, as occluded.
     entered = np.maximum.accumulate(visible)
     leaves_later = np.maximum.accumulate(visible[::-1])[::-1]
     annotated = present & entered & leaves_later
@@ -170,7 +170,7 @@ def _sighting(
 
 
 def _hidden(edges: Floats, depth: Floats, blockers: list[tuple[Floats, Floats]]) -> Floats:
-    """Share of a grid of points in the box that lies behind something nearer."""
+    """Return the share of a grid of points in the box that lies behind something nearer."""
     x = edges[:, :1] + _GRID_X * (edges[:, 2:3] - edges[:, :1])
     y = edges[:, 1:2] + _GRID_Y * (edges[:, 3:] - edges[:, 1:2])
     covered = np.zeros((len(edges), len(_GRID_X), len(_GRID_Y)), dtype=bool)
@@ -183,7 +183,7 @@ def _hidden(edges: Floats, depth: Floats, blockers: list[tuple[Floats, Floats]])
 
 
 def _shrunk(edges: Floats) -> Floats:
-    """The part of a person's box that the body really fills."""
+    """Return the part of a person's box that the body really fills."""
     margin = 0.2 * (edges[:, 2] - edges[:, 0])
     return np.stack([edges[:, 0] + margin, edges[:, 1], edges[:, 2] - margin, edges[:, 3]], axis=1)
 
@@ -191,7 +191,7 @@ def _shrunk(edges: Floats) -> Floats:
 def _box_edges(
     camera: Camera, left: float, right: float, top: float, near: Floats, far: Floats
 ) -> tuple[Floats, Floats]:
-    """Image edges of an upright block that stands on the road, and the depth of its near face."""
+    """Return image edges of an upright block on the road, and the depth of its near face."""
     corners = np.stack(
         [
             np.stack([np.full_like(near, x), np.full_like(near, y), np.maximum(z, 0.6)], axis=-1)

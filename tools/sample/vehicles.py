@@ -30,7 +30,7 @@ def draw_car(canvas: Canvas, car: Car, ahead_m: float, camera: Camera, climate: 
 
 
 def profile(car: Car) -> Floats:
-    """Outline of the side: metres from the near end and height, near end first."""
+    """Return the outline of the side: metres from the near end and height, near end first."""
     h, long = car.height_m, car.length_m
     if h > 1.7:
         line = [
@@ -52,7 +52,7 @@ def profile(car: Car) -> Floats:
 
 
 def end_outline(car: Car, near: float, top: float) -> Floats:
-    """Outline of the end that is seen, metres, shape (8, 3); `top` is where its windows begin."""
+    """Return the outline of the visible end, metres, (8, 3). `top` is where its windows begin."""
     x, half, belt = car.x, car.width_m / 2, 0.42 * top + 0.1
     return np.array(
         [[x - half * 0.93, 0.24, near], [x + half * 0.93, 0.24, near], [x + half, belt, near],
@@ -63,7 +63,7 @@ def end_outline(car: Car, near: float, top: float) -> Floats:
 
 
 def wheel_outline(x: float, z: float, radius: float, angles: Floats) -> Floats:
-    """Corners of a wheel, or of a ring in it, at these angles: metres, shape (n, 3)."""
+    """Return corners of a wheel, or of a ring in it, at these angles: metres, shape (n, 3)."""
     across, up = np.full(len(angles), x), 0.33 + radius * np.sin(angles)
     return np.stack([across, up, z + radius * np.cos(angles)], axis=1)
 
@@ -90,7 +90,7 @@ def _side(sketch: Sketch, car: Car, x: float, near: float, metal: float, glass: 
 
 
 def _top(sketch: Sketch, car: Car, near: float, metal: float, glass: float) -> None:
-    """Bonnet and windscreen, or boot and rear window, seen from a little above."""
+    """Draw bonnet and windscreen, or boot and rear window, seen from slightly above."""
     h, long, half = car.height_m, car.length_m, car.width_m / 2
     tight = half * 0.82
     if h > 1.7:
@@ -152,7 +152,7 @@ def _face(sketch: Sketch, car: Car, near: float, metal: float, glass: float) -> 
 def _shade_below(
     canvas: Canvas, car: Car, near: float, far: float, camera: Camera, climate: Climate
 ) -> None:
-    """Under a car the road keeps its warmth, and mirrors a warm sump."""
+    """Draw the warm road below a car, and the reflection of its warm sump."""
     below = Sketch(camera, climate)
     half = car.width_m / 2
     z0, z1 = max(near - 0.1, 1.0), max(far, 1.2)

@@ -38,7 +38,7 @@ _FORMATS: Final = {
 
 
 def csv_text(table: pd.DataFrame) -> str:
-    """Table as CSV with fixed decimals and line feeds, the same bytes on every system."""
+    """Return a table as CSV with fixed decimals and line feeds, equal on every system."""
     text = table.copy()
     for name, pattern in _FORMATS.items():
         if name in text:
@@ -47,7 +47,7 @@ def csv_text(table: pd.DataFrame) -> str:
 
 
 def session_text(recordings: Iterable[Recording]) -> str:
-    """The session file that names all recordings, the truth and the systems."""
+    """Return the session file that names all recordings, the truth and the systems."""
     tables = [
         f'[[recording]]\nname = "{recording.name}"\nwidth = {WIDTH}\nheight = {HEIGHT}\n'
         f'fps = {FPS}\nframes = "0:{N_FRAMES - 1}"\nhorizon = {recording.horizon:.1f}\n'
@@ -66,7 +66,7 @@ def session_text(recordings: Iterable[Recording]) -> str:
 
 
 def tags_of(recording: Recording) -> tuple[str, ...]:
-    """Return place, season, and ``night``. The drives by visible light are at dusk."""
+    """Return place, season, and ``night``. The visible-light drives are at dusk."""
     return recording.tags if recording.name in GLOWS else (*recording.tags, "night")
 
 
@@ -80,12 +80,12 @@ def _context_text(context: float) -> str:
 
 
 def write_video(path: Path, pictures: Iterable[NDArray[np.uint8]]) -> None:
-    """Write grey pictures as an H.264 video, with the same bytes from the same machine and encoder.
+    """Write grey pictures as an H.264 video. Equal machine and encoder give equal bytes.
 
     Parameters
     ----------
     pictures
-        Each of shape (HEIGHT, WIDTH).
+        Pictures of shape (HEIGHT, WIDTH) each.
     """
     colourless = np.full((HEIGHT // 2, WIDTH), 128, dtype=np.uint8)
     planes = (np.concatenate([_studio(picture), colourless]) for picture in pictures)
@@ -100,16 +100,16 @@ def write_colour_video(
     *,
     quality: str = _COLOUR_QUALITY,
 ) -> None:
-    """Colour pictures as an H.264 video.
+    """Write colour pictures as an H.264 video.
 
     Parameters
     ----------
     pictures
-        RGB, each of shape (height, width, 3).
+        RGB pictures of shape (height, width, 3) each.
     size
-        Width and height, even.
+        Width and height, both even.
     quality
-        The encoder's crf: the larger, the smaller the file.
+        Encoder's crf. Larger values give smaller files.
     """
     frames = (
         av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(format="yuv420p")
@@ -133,12 +133,12 @@ def _encode(
 
 
 def _studio(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Full-range grey as the luma of 16 to 235 that players expect."""
+    """Convert full-range grey to the luma of 16 to 235 that players expect."""
     return np.round(16 + picture * (219 / 255)).astype(np.uint8)
 
 
 def readme_text(recordings: Iterable[Recording], truth: pd.DataFrame) -> str:
-    """README of the folder, with one table of recordings."""
+    """Return the README of the folder, with a table of recordings."""
     lines = []
     for recording in recordings:
         rows = truth[truth["recording"] == recording.name]
@@ -160,7 +160,7 @@ def readme_text(recordings: Iterable[Recording], truth: pd.DataFrame) -> str:
 
 
 def _ranging_text() -> str:
-    """Standard deviations of the systems' distances, in words."""
+    """Describe the standard deviations of the systems' distances."""
     near_m, far_m = _RANGES_M
     words = [
         f"{name} {100 * (at_zero + near_m * per_metre):.1f} and "

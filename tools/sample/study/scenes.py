@@ -1,7 +1,7 @@
-"""The pictures of the simulated study: streets at twilight with one pedestrian each.
+"""Pictures of the simulated study: streets at twilight with one pedestrian each.
 
-What is drawn by chance is drawn widely, so that the pedestrians differ in size, contrast, colour
-and distance from the middle of the picture, where a subject looks first.
+Random values have wide ranges, so that the pedestrians differ in size, contrast, colour and
+distance from the middle of the picture, where a subject looks first.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ FOLDER: Final = "study"
 BOXES_FILE: Final = "boxes.csv"
 SIZE: Final = (960, 540)
 FIXATION: Final = (480.0, 270.0)
-"""Where the cross is, at which a subject looks before the picture comes: the middle."""
+"""Position of the cross at which a subject looks before the picture comes: the middle."""
 PEDESTRIAN: Final = 1
 
 _JPEG_QUALITY: Final = 75
@@ -43,12 +43,12 @@ _SEED: Final = 51
 
 @dataclass(frozen=True)
 class Scene:
-    """One picture of the study.
+    """Picture of the study.
 
     Attributes
     ----------
     frame
-        The moment of the recording that is shown: it fixes the step of a walking person.
+        Frame of the recording to show, which determines the step of a walking person.
     """
 
     number: int
@@ -64,24 +64,24 @@ class Scene:
 
     @property
     def view(self) -> View:
-        """A wider camera than that of the recordings."""
+        """Camera with a wider view than that of the recordings."""
         return View(self.recording.camera, *SIZE, scale=1.0, dx=160.0, dy=30.0)
 
     def box(self) -> tuple[float, float, float, float]:
-        """Box x, y, w, h of the pedestrian in pixels."""
+        """Box of the pedestrian: x, y, w, h in pixels."""
         edges = sightings(self.recording)[0].edges[self.frame : self.frame + 1]
         x, y, w, h = mapped_boxes(self.view, edges)[0]
         return float(x), float(y), float(w), float(h)
 
     def pictures(self) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-        """The picture, and the same street at the same moment without the pedestrian.
+        """Return the picture, and the same street at the same moment without the pedestrian.
 
         Returns
         -------
         RGB, shape (540, 960, 3) each.
         """
         drive = Drive(self.recording, self.glow, self.view, last_frame=self.frame)
-        # Two sensors of one seed: the noise is the same in both.
+        # Two sensors with the same seed have the same noise.
         shown, street = (
             Sensor(self.number, self.view, noise=_NOISE).read(drive.frame(self.frame, outfits))
             for outfits in ([self.wears], [])
@@ -90,7 +90,7 @@ class Scene:
 
 
 def all_scenes() -> Iterator[Scene]:
-    """The scenes of the study, the same on every call."""
+    """Yield the scenes of the study, the same on every call."""
     for number in range(1, N_PICTURES + 1):
         generator = np.random.default_rng([_SEED, number])
         scene = _scene(number, generator)
@@ -100,14 +100,14 @@ def all_scenes() -> Iterator[Scene]:
 
 
 def boxes_table(scenes: list[Scene]) -> pd.DataFrame:
-    """Box of the pedestrian and point of fixation per picture, pixels."""
+    """Return box of the pedestrian and point of fixation per picture, pixels."""
     rows = [(scene.image, PEDESTRIAN, *scene.box(), *FIXATION) for scene in scenes]
     names = ["image", "pedestrian", "x", "y", "w", "h", "fixation_x", "fixation_y"]
     return pd.DataFrame(rows, columns=names)
 
 
 def jpeg(picture: NDArray[np.uint8]) -> bytes:
-    """A picture as the bytes of its file."""
+    """Return a picture as the bytes of a JPEG file."""
     options = [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY, cv2.IMWRITE_JPEG_OPTIMIZE, 1]
     done, data = cv2.imencode(".jpg", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR), options)
     assert done
@@ -142,7 +142,7 @@ def _scene(number: int, generator: np.random.Generator) -> Scene:
 
 
 def _person(generator: np.random.Generator, z: float, *, in_town: bool) -> Person:
-    """Somebody on a pavement, on the shoulder, in a field or on the way across the road."""
+    """Place a person on a pavement, on the shoulder, in a field or crossing the road."""
     places = (
         ((3.9, 6.2), (-9.6, -7.3), (-5.0, 1.8))
         if in_town
@@ -162,7 +162,7 @@ def _person(generator: np.random.Generator, z: float, *, in_town: bool) -> Perso
 
 
 def _cars(generator: np.random.Generator, z: float) -> tuple[Car, ...]:
-    """Parked cars on both sides, now and then."""
+    """Return parked cars on both sides, in some scenes only."""
     cars = []
     for x, oncoming in ((2.85, False), (-6.2, True)):
         place = float(generator.uniform(8.0, 20.0))

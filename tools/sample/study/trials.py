@@ -1,8 +1,8 @@
-"""Answers of simulated subjects to the pictures of the study: nobody was asked.
+"""Answers of simulated subjects to the pictures of the study. Nobody was asked.
 
-Every subject has every picture at all six times, two pictures a run: one `T`, the other 4 to 4.5 s
-later, as in the paper. Subjects differ in sensitivity, in how often they are not looking and in how
-readily they guess; one of them is hardly there.
+Every subject sees every picture at all six times, two pictures per run: one after `T`, the other 4
+to 4.5 s later, as in the paper. Subjects differ in sensitivity, in how often they look away and in
+how readily they guess. One of them hardly ever looks.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ N_SUBJECTS: Final = 16
 DEVICE: Final = "simulated"
 DISPLAY_S: Final = 0.5
 PAIRS_S: Final = ((0.0, 4.0), (1.0, 5.5), (2.5, 7.0))
-"""When the two pictures of a run appear, seconds after the change of light."""
+"""Times of the two pictures of a run, seconds after the change of light."""
 ABSENT: Final = 11
 """Number of the subject who often does not look."""
 SEED: Final = 88
@@ -35,7 +35,7 @@ _REFRESH_S: Final = 1 / 60
 
 @dataclass(frozen=True)
 class Subject:
-    """One simulated subject.
+    """Simulated subject.
 
     Attributes
     ----------
@@ -53,12 +53,12 @@ class Subject:
     guess: float
 
     def chance(self, visible: Floats, picked: Floats) -> Floats:
-        """Chance that the subject sees a pedestrian, 0 to 1."""
+        """Return the chance that the subject sees a pedestrian, 0 to 1."""
         return np.asarray((1 - self.lapse) * seeing(visible, gain=self.gain) * picked)
 
 
 def subjects() -> list[Subject]:
-    """The subjects, the same on every call."""
+    """Return the subjects, the same on every call."""
     generator = np.random.default_rng(SEED)
     people = []
     for number in range(1, N_SUBJECTS + 1):
@@ -80,13 +80,13 @@ def truth_rows(
     Parameters
     ----------
     pictures
-        With and without the pedestrian.
+        Pictures with and without the pedestrian.
 
     Returns
     -------
-    ``image, pedestrian, period_s``; ``visibility``: contrast as a multiple of the threshold;
-    ``picking``: chance to pick them out in one glance; ``probability``: chance that a subject sees
-    them, mean of all subjects.
+    ``image, pedestrian, period_s``, ``visibility`` (contrast as a multiple of the threshold),
+    ``picking`` (chance to pick them out in one glance) and ``probability`` (chance that a subject
+    sees them, averaged over all subjects).
     """
     visible = np.round(visibility(*pictures, box, FIXATION), 3)
     picked = np.round(picking(box, FIXATION), 4)
@@ -104,12 +104,12 @@ def truth_rows(
 
 
 def simulated_trials(truth: pd.DataFrame, boxes: pd.DataFrame) -> pd.DataFrame:
-    """The trials of all subjects, in the columns of a study's file of trials.
+    """Return the trials of all subjects, in the columns of a study's trials file.
 
     Parameters
     ----------
     truth
-        Of `truth_rows`, all pictures.
+        Tables of `truth_rows` for all pictures.
     boxes
         ``image, x, y, w, h``.
     """
@@ -125,7 +125,7 @@ def simulated_trials(truth: pd.DataFrame, boxes: pd.DataFrame) -> pd.DataFrame:
 
 
 def _order(images: list[str], generator: np.random.Generator) -> pd.DataFrame:
-    """The runs of one subject in a random order: two pictures each, never the same one."""
+    """Return the runs of one subject in random order, with two different pictures each."""
     runs = []
     for first_s, second_s in PAIRS_S:
         order = generator.permutation(len(images))
@@ -176,7 +176,7 @@ def _answers(subject: Subject, known: pd.DataFrame, shown: pd.DataFrame) -> pd.D
 
 
 def trials_text(table: pd.DataFrame) -> str:
-    """Return trials as CSV in whole pixels, with the same bytes on every system."""
+    """Return trials as CSV in whole pixels, with equal bytes on every system."""
     whole = table.assign(
         touch_x=table["touch_x"].astype("Int64"), touch_y=table["touch_y"].astype("Int64")
     )

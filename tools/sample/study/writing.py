@@ -43,5 +43,5 @@ def write_study(folder: Path, *, progress: Progress = no_progress) -> None:
 
 
 def table_text(table: pd.DataFrame) -> str:
-    """Table as CSV with line feeds."""
+    """Return a table as CSV with line feeds."""
     return str(table.to_csv(index=False, lineterminator="\n"))

@@ -1,10 +1,10 @@
-"""The sample's drives as a visible-light colour camera shows them, at dusk.
+"""The sample's drives as seen by a visible-light colour camera, at dusk.
 
-view, light             where the camera is; what shines, in lux
+view, light             position of the camera, and light sources in lux
 wardrobe                colours of clothes, cars and walls
-paint, stage            coloured polygons; each in the light of its place
-ground, sky             what does not stand up
-things, cars, people    what does
-sensor, render          exposure and noise; pictures in frame order
-recordings              which recordings have them, and what a light sensor measured
+paint, stage            coloured polygons, each lit according to its place
+ground, sky             background
+things, cars, people    objects on the ground
+sensor, render          exposure and noise, and pictures in frame order
+recordings              recordings with visible pictures, and light sensor readings
 """

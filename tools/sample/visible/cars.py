@@ -1,4 +1,4 @@
-"""Cars by visible light: paint, glass, wheels, lamps."""
+"""Drawing of cars in visible light: paint, glass, wheels, lamps."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _TAIL: Final = np.array([1.0, 0.045, 0.03])
 _BEAM_CD_M2: Final = 5200.0
 _TURN: Final = np.linspace(0, 2 * np.pi, 20, endpoint=False)
 _TALL_M: Final = 1.7
-"""Cars higher than this are vans."""
+"""Maximum height of a car that is not a van."""
 
 
 def draw_car(stage: Stage, car: Car, ahead_m: float) -> None:
@@ -69,7 +69,7 @@ def _side(stage: Stage, car: Car, near: float, colour: Floats) -> None:
 
 
 def _top(stage: Stage, car: Car, near: float, colour: Floats) -> None:
-    """Bonnet and windscreen, or boot and rear window; both mirror the sky."""
+    """Draw bonnet and windscreen, or boot and rear window, which mirror the sky."""
     h, long, half, x = car.height_m, car.length_m, car.width_m / 2, car.x
     is_van = h > _TALL_M
     if is_van and not car.oncoming:
@@ -113,7 +113,7 @@ def _face(stage: Stage, car: Car, near: float, colour: Floats) -> None:
 
 
 def _lamps(stage: Stage, car: Car, near: float) -> list[Face]:
-    """Lamps that are off: clear glass in front, red reflectors behind."""
+    """Return lamps that are off: clear glass in front, red reflectors behind."""
     faces: list[Face] = []
     for side in (-1, 1):
         middle = np.array(
@@ -136,7 +136,7 @@ def _lamps(stage: Stage, car: Car, near: float) -> list[Face]:
 
 
 def _dazzling(stage: Stage, car: Car, near: float) -> None:
-    """Headlamps that shine into the camera, each with a core and a wide veil."""
+    """Draw headlamps that shine into the camera, each with a core and a wide veil."""
     for side in (-0.66, 0.66):
         pixel, depth = stage.view.project(np.array([car.x + side, 0.70, near]))
         scale = stage.view.focal_px / max(float(depth), 1.0)

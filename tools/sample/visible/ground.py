@@ -1,4 +1,4 @@
-"""Road, pavement and grass by visible light: colours of the surface and the light on it."""
+"""Road, pavement and grass in visible light: surface colours and the light on them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _AHEAD: Final = 130.0
 _LIGHT_STEP: Final = 0.5
 _N_LEVELS: Final = 8
 HAZE_M: Final = 620.0
-"""Distance at which the air leaves 1/e of a thing's light."""
+"""Distance at which air leaves 1/e of an object's light."""
 
 _ASPHALT: Final = np.array([0.088, 0.088, 0.092])
 _SLABS: Final = np.array([0.205, 0.20, 0.19])
@@ -32,11 +32,11 @@ _GRASS: Final = np.array([0.062, 0.085, 0.034])
 _GRAVEL: Final = np.array([0.15, 0.135, 0.11])
 _PAINT: Final = np.array([0.46, 0.46, 0.44])
 _RETRO: Final = 0.045
-"""Share of head-on light that rough asphalt and wet grass send back to the lamp."""
+"""Share of head-on light that rough asphalt and wet grass reflect back to the lamp."""
 
 
 class Ground:
-    """The ground of a recording, seen from any point of the drive."""
+    """Ground of a recording, seen from any point of the drive."""
 
     def __init__(self, recording: Recording, lights: Lights, view: View, *, length_m: float):
         self._levels = _levels(_albedo(recording, length_m + _AHEAD))
@@ -53,7 +53,7 @@ class Ground:
         self._own = self._headlight(lights)
 
     def paint(self, picture: Colours, lights: Lights, air: Floats) -> None:
-        """Draw the ground into the rows below the horizon; `air` is the haze's luminance."""
+        """Draw the ground into the rows below the horizon. `air` is the haze's luminance."""
         below = picture[self._first_row :]
         self._surface(below, lights.way)
         below *= (self._lamps(lights.way) + self._own + self._dazzle(lights)) / np.float32(np.pi)
@@ -97,7 +97,7 @@ class Ground:
         return points.reshape(-1, 3), x.shape
 
     def _headlight(self, lights: Lights) -> Colours:
-        """The light of the own headlamps, which goes along with the car."""
+        """Return the light of the car's own headlamps, which moves with the car."""
         if lights.glow.headlamp_cd <= 0:
             return np.zeros((len(self._depth), self._view.width, 3), dtype=np.float32)
         points, shape = self._points(1)
@@ -109,11 +109,11 @@ class Ground:
         return np.asarray(light[..., None] * HEADLIGHT, dtype=np.float32)
 
     def _dazzle(self, lights: Lights) -> Colours | float:
-        """The light of oncoming headlamps, which the road mirrors towards us."""
+        """Return the light of oncoming headlamps that the road reflects towards the camera."""
         if not len(lights.oncoming):
             return 0.0
         points, shape = self._points(6)
-        forward = np.array([0.0, 0.75, 0.66])  # rough asphalt sends much of it on towards us
+        forward = np.array([0.0, 0.75, 0.66])  # rough asphalt reflects it forward to the camera
         light = lights.dazzle(points, forward).reshape(shape).astype(np.float32)
         size = (self._view.width, len(self._depth))
         whole = cv2.resize(light, size)[..., None]
@@ -121,7 +121,7 @@ class Ground:
 
 
 def _levels(albedo: Colours) -> list[Colours]:
-    """Far rows cover metres of road: they are read from versions shortened along the road."""
+    """Return versions shortened along the road, for far rows that cover metres of it."""
     levels = [albedo]
     for _ in range(_N_LEVELS - 1):
         last = levels[-1]
@@ -131,11 +131,11 @@ def _levels(albedo: Colours) -> list[Colours]:
 
 
 def _lamp_light(lights: Lights, length_m: float) -> Colours:
-    """Lux of sky, street lamps and floodlights on the ground, over x and z of the world."""
+    """Return the lux of sky, street lamps and floodlights on the ground, over world x and z."""
     x = (np.arange(int(2 * _HALF_WIDTH / _LIGHT_STEP)) + 0.5) * _LIGHT_STEP - _HALF_WIDTH
     z = (np.arange(int((length_m + _BEHIND) / _LIGHT_STEP)) + 0.5) * _LIGHT_STEP - _BEHIND
     rows = []
-    # By strips along the road, so that each meets only the lamps near it.
+    # In strips along the road, so that each handles only the lamps near it.
     for strip in np.array_split(z, max(len(z) // 24, 1)):
         wide, long = np.meshgrid(x, strip - lights.way)
         points = np.stack([wide, np.zeros_like(wide), long], axis=-1).reshape(-1, 3)
@@ -206,7 +206,7 @@ def _pavements(
 def _patches(
     ground: Colours, x: Floats, z: Floats, road: Road, generator: np.random.Generator
 ) -> None:
-    """Repairs of newer or older asphalt, seams, manhole covers."""
+    """Draw repairs of newer or older asphalt, seams, manhole covers."""
     for _ in range(int(z[-1] / 13)):
         x0, z0 = generator.uniform(road.left, road.right - 1), generator.uniform(0, z[-1])
         wide, long = generator.uniform(0.6, 2.2), generator.uniform(1.5, 7)
@@ -225,7 +225,7 @@ def _patches(
 def _markings(
     ground: Colours, x: Floats, z: Floats, road: Road, generator: np.random.Generator
 ) -> None:
-    """White paint, worn."""
+    """Draw worn white paint."""
     lines = np.zeros(ground.shape[:2], dtype=bool)
     middle = (road.left + road.right) / 2
     lines |= ((z % 12.0) < 4.0)[:, None] & (np.abs(x - middle) < 0.07)

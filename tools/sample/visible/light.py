@@ -15,7 +15,7 @@ from tools.sample.camera import FPS, Floats
 from tools.sample.scene import Recording
 
 LUMA: Final = np.array([0.2126, 0.7152, 0.0722])
-"""Luminance of linear red, green and blue (Rec. 709)."""
+"""Luminance weights of linear red, green and blue (Rec. 709)."""
 
 SKYLIGHT: Final = np.array([0.80, 0.98, 1.36])
 LAMPLIGHT: Final = np.array([1.42, 0.94, 0.48])
@@ -31,20 +31,20 @@ _FLOOD_EDGE_M: Final = 12.0
 
 @dataclass(frozen=True)
 class Glow:
-    """The light of a place and hour.
+    """Light of a place and time of day.
 
     Attributes
     ----------
     sky_lux
-        Illuminance of the open ground by the sky.
+        Illuminance of open ground by the sky.
     lamp_cd
         Luminous intensity of a street lamp, candela.
     headlamp_cd
-        Luminous intensity of both own headlamps in the brightest direction, candela; 0: off.
+        Luminous intensity of both own headlamps in the brightest direction, candela. 0: off.
     flood_lux, flood_end_m
-        Illuminance by floodlights on masts, from before the start to this place on the road.
+        Illuminance by floodlights on masts, and position on the road where they end.
     warmth
-        How warm the light at the horizon is, 0 (blue hour) to 1 (sunset).
+        Warmth of the light at the horizon, 0 (blue hour) to 1 (sunset).
     """
 
     sky_lux: float = 3.0
@@ -57,16 +57,16 @@ class Glow:
 
 @dataclass(frozen=True)
 class Lights:
-    """All light of a recording at one moment, in metres relative to the car.
+    """All lights of a recording at one moment, in metres relative to the car.
 
     Attributes
     ----------
     lamps
-        Places of the street lamps' heads, shape (lamps, 3).
+        Positions of the street lamps' heads, shape (lamps, 3).
     oncoming
-        Places between the headlamps of oncoming cars, shape (cars, 3).
+        Midpoints between the headlamps of oncoming cars, shape (cars, 3).
     way
-        Metres the car has gone.
+        Distance travelled by the car, metres.
     """
 
     glow: Glow
@@ -77,7 +77,7 @@ class Lights:
     def at(
         self, points: Floats, normal: Floats = TO_CAMERA, *, wrap: float = 0.0, own: bool = True
     ) -> Floats:
-        """Illuminance of surfaces.
+        """Return the illuminance of surfaces.
 
         Parameters
         ----------
@@ -86,9 +86,9 @@ class Lights:
         normal
             Unit vector that the surfaces face, shape (3,).
         wrap
-            0: a flat surface; more: round ones, which catch light from the side, too.
+            0 for a flat surface, more for round ones, which also catch light from the side.
         own
-            With the car's own headlamps.
+            Whether to include the car's own headlamps.
 
         Returns
         -------
@@ -106,7 +106,7 @@ class Lights:
         return light
 
     def flood(self, points: Floats, normal: Floats) -> Floats:
-        """Lux of the floodlights, which come from high masts on all sides, shape (n,)."""
+        """Return the lux of floodlights, which come from high masts on all sides, shape (n,)."""
         if self.glow.flood_lux <= 0:
             return np.zeros(len(points))
         short = (self.glow.flood_end_m - points[:, 2] - self.way) / _FLOOD_EDGE_M
@@ -116,7 +116,7 @@ class Lights:
         )
 
     def street(self, points: Floats, normal: Floats, wrap: float = 0.0) -> Floats:
-        """Lux of the street lamps, shape (n,)."""
+        """Return the lux of street lamps, shape (n,)."""
         light: Floats = np.zeros(len(points))
         if not len(points) or self.glow.lamp_cd <= 0:
             return light
@@ -125,13 +125,13 @@ class Lights:
             towards = lamp - points
             metres = np.maximum(np.sqrt((towards**2).sum(axis=1)), 2.2)
             facing = _facing(towards @ normal / metres, wrap)
-            # A lamp shines down and to the sides, little above 75 degrees from the vertical.
+            # A lamp shines down and to the sides, hardly above 75 degrees from the vertical.
             down = np.clip(towards[:, 1] / metres, 0.02, 1.0)
             light += self.glow.lamp_cd * np.minimum(1.0, 0.25 + 1.9 * down) * facing / metres**2
         return light
 
     def headlamps(self, points: Floats, normal: Floats, wrap: float = 0.0) -> Floats:
-        """Lux of the own headlamps on low beam, shape (n,)."""
+        """Return the lux of the car's own headlamps on low beam, shape (n,)."""
         towards = np.array([0.0, _HEADLAMP_HEIGHT_M, 1.2]) - points
         metres = np.maximum(np.sqrt((towards**2).sum(axis=1)), 5.0)
         facing = _facing(towards @ normal / metres, wrap)
@@ -140,14 +140,14 @@ class Lights:
         return np.asarray(self.glow.headlamp_cd * low_beam(across, up) * facing / metres**2)
 
     def dazzle(self, points: Floats, normal: Floats, wrap: float = 0.0) -> Floats:
-        """Lux of the headlamps of oncoming cars, shape (n,)."""
+        """Return the lux of the headlamps of oncoming cars, shape (n,)."""
         light = np.zeros(len(points))
         for place in self.oncoming:
             light += _oncoming(points, normal, place, wrap)
         return light
 
     def driver_lux(self) -> float:
-        """Illuminance at a sensor behind the windscreen that looks up and ahead, lux."""
+        """Return the illuminance at a sensor behind the windscreen that looks up and ahead, lux."""
         eye = np.array([[0.0, 1.2, 0.0]])
         up = self.at(eye, np.array([0.0, 1.0, 0.0]), own=False)[0]
         ahead = self.at(eye, np.array([0.0, 0.0, 1.0]), own=False)[0]
@@ -155,7 +155,7 @@ class Lights:
 
 
 def low_beam(across_deg: Floats, up_deg: Floats) -> Floats:
-    """Share of the brightest direction's intensity: a cut-off that rises to the right."""
+    """Return intensity relative to the brightest direction, with a cut-off rising to the right."""
     cut = -0.55 + np.clip(0.26 * (across_deg - 0.3), 0.0, 1.5)
     below = cut - up_deg
     edge = 1 / (1 + np.exp(-np.clip(below / 0.30, -40, 40)))
@@ -169,7 +169,7 @@ def _facing(cosine: Floats, wrap: float) -> Floats:
 
 
 def _oncoming(points: Floats, normal: Floats, place: Floats, wrap: float) -> Floats:
-    """Lux of an oncoming car's headlamps, shape (n,)."""
+    """Return the lux of an oncoming car's headlamps, shape (n,)."""
     towards = place - points
     metres = np.maximum(np.sqrt((towards**2).sum(axis=1)), 2.0)
     facing = _facing(towards @ normal / metres, wrap)
@@ -180,7 +180,7 @@ def _oncoming(points: Floats, normal: Floats, place: Floats, wrap: float) -> Flo
 
 
 def lights_at(recording: Recording, glow: Glow, frame: int) -> Lights:
-    """The light of a recording at one frame."""
+    """Return the lights of a recording at one frame."""
     way = float(recording.way()[frame])
     heads = [
         (thing.x - np.sign(thing.x) * 1.0, thing.size_m, thing.z - way)

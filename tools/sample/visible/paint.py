@@ -18,16 +18,16 @@ Shape = tuple[Floats, Floats]
 """Polygon in pixels, shape (corners, 2), and its linear red, green, blue, shape (3,)."""
 
 Shading = Callable[[Floats], Floats]
-"""From rays of pixels, shape (n, 3), to what a colour is multiplied with there, shape (n, 3)."""
+"""Maps rays of pixels, shape (n, 3), to factors for a colour there, shape (n, 3)."""
 
 Veil = tuple[float, Floats]
 
 _SHADE_STEP: Final = 8
-"""Light is computed at every so many pixels and is linear in between."""
+"""Step in pixels at which light is computed. It is interpolated linearly in between."""
 
 
 class Easel:
-    """A picture in cd/m2, shape (height, width, 3), that shapes are painted on."""
+    """Picture in cd/m2, shape (height, width, 3), that shapes are painted on."""
 
     def __init__(self, picture: Colours, view: View):
         self.picture, self.view = picture, view
@@ -47,9 +47,9 @@ class Easel:
         soften
             Standard deviation in pixels of the blur of the layer.
         shading
-            Light by place, for colours that are albedos; None: colours are luminances.
+            Light by place, for colours that are albedos. None: colours are luminances.
         veil
-            The air in front: share of the light that it leaves, and the luminance that it adds.
+            Air in front: share of the light that it transmits, and the luminance that it adds.
         """
         if not shapes:
             return
@@ -82,14 +82,14 @@ class Easel:
         self._blend(area, colours.astype(np.float32), alpha.astype(np.float32))
 
     def glow(self, pixel: Floats, radius: float, colour: Floats) -> None:
-        """Add a soft round glow; `colour` in cd/m2 at its middle."""
+        """Add a soft round glow with `colour` in cd/m2 at its middle."""
         area = self._area(pixel[None, :], int(4 * radius) + 1)
         if area is not None:
             left, top, right, bottom = area
             self.picture[top:bottom, left:right] += _round(area, pixel, radius, radius) * colour
 
     def shade(self, pixel: Floats, wide: float, high: float, share: float) -> None:
-        """Take a share of the light from a soft ellipse: the shadow below a body or a car."""
+        """Remove a share of the light in a soft ellipse: the shadow below a body or a car."""
         area = self._area(pixel[None, :], int(3 * max(wide, high)) + 1)
         if area is not None:
             left, top, right, bottom = area
@@ -120,7 +120,7 @@ class Easel:
 
 
 def _drawn(shapes: Sequence[Shape], area: tuple[int, int, int, int]) -> tuple[Colours, Colours]:
-    """Colours, premultiplied, and cover of shapes within an area of pixels."""
+    """Return premultiplied colours, and cover, of shapes within an area of pixels."""
     left, top, right, bottom = area
     n_pixels = (right - left) * (bottom - top)
     scale = 4 if n_pixels < 6000 else 2 if n_pixels < 60_000 else 1
@@ -128,7 +128,7 @@ def _drawn(shapes: Sequence[Shape], area: tuple[int, int, int, int]) -> tuple[Co
     layer = np.zeros(((bottom - top) * scale, (right - left) * scale, 4), dtype=np.uint8)
     for polygon, colour in shapes:
         corners = [fixed_point(polygon, left, top, scale)]
-        # Eight bits of a square root keep dark clothes apart beside a bright wall.
+        # Eight bits of the square root keep dark clothes distinct beside a bright wall.
         red, green, blue = 255 * np.sqrt(np.maximum(colour, 0.0) / brightest)
         cv2.fillPoly(layer, corners, (red, green, blue, 255.0), cv2.LINE_AA, FRACTION_BITS)
     if scale > 1:

@@ -1,4 +1,4 @@
-"""People by visible light: coats, trousers, faces, in the light that falls on each limb."""
+"""Drawing of people in visible light: coats, trousers, faces, lit limb by limb."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tools.sample.visible.stage import Stage
 from tools.sample.visible.wardrobe import Outfit
 
 _RINGS: Final = ((1.0, 0.62), (0.80, 0.90), (0.55, 1.08))
-"""Shares of a limb's radius and of its light: a round limb is darker at its rim."""
+"""Shares of a limb's radius and of its light, as a round limb is darker at its rim."""
 _SIDEWAYS: Final = 0.28
 _CLOTH_RADIUS: Final = 1.06
 _TURN: Final = np.linspace(0, 2 * np.pi, 24, endpoint=False)
@@ -93,7 +93,7 @@ def _albedo(part: str, wears: Outfit, *, is_crown: bool, away: bool) -> Floats:
 def _face(
     wears: Outfit, body: Floats, pixels: Floats, size: Floats, light: Floats, order: float
 ) -> tuple[float, Shape]:
-    """The face, on the side to which the toes point, below the hair."""
+    """Return the face, on the side to which the toes point, below the hair."""
     aside = float(np.clip((body[8, 0] + body[12, 0] - body[7, 0] - body[11, 0]) / 0.35, -1, 1))
     shift = np.array([0.32 * aside * size[0], 0.30 * size[0]])
     middle = 0.55 * pixels[_HEAD] + 0.45 * pixels[_CROWN]
@@ -102,7 +102,7 @@ def _face(
 
 
 def _lit_pieces(stage: Stage, body: Floats) -> tuple[Floats, Floats, Floats]:
-    """Light along the limbs, which are cut into pieces: a low beam ends halfway up a leg.
+    """Return the light along the limbs, cut into pieces as a low beam may end halfway up a leg.
 
     Returns
     -------
@@ -127,7 +127,7 @@ def _lit_pieces(stage: Stage, body: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _shadow(stage: Stage, body: Floats, scale: float) -> None:
-    """The dark place below the feet."""
+    """Draw the dark area below the feet."""
     for ankle in (7, 11):
         foot = body[ankle] * np.array([1.0, 0.0, 1.0])
         pixel, depth = stage.view.project(foot)
@@ -138,7 +138,7 @@ def _shadow(stage: Stage, body: Floats, scale: float) -> None:
 def _bicycle(
     stage: Stage, body: Floats, pixels: Floats, scale: Floats, order: float
 ) -> list[tuple[float, Shape]]:
-    """Wheels seen from behind or ahead are thin; the frame is a few bars; a red lamp behind."""
+    """Return wheels, thin from behind or ahead, the bars of the frame, and a red rear lamp."""
     back, front, saddle, crank, bar = pixels[21:26]
     light = stage.luminance(body[[0]], TO_CAMERA, wrap=0.3)[0]
     layers: list[tuple[float, Shape]] = []

@@ -1,7 +1,7 @@
-"""Which recordings have visible-light pictures, in what light, and what a light sensor measured.
+"""Recordings with visible-light pictures, their light, and the readings of a light sensor.
 
-Two of them begin on a stretch of road under floodlights, as of a building site at night, and leave
-it: the change from bright to dark after which a driver's eyes have to adapt.
+Two of them begin on a stretch of road under floodlights, as at a building site at night, and leave
+it. This is the change from bright to dark after which a driver's eyes have to adapt.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ GLOWS: Final[dict[str, Glow]] = {
     "rural_child": Glow(sky_lux=3.0, lamp_cd=0.0, flood_lux=1000.0, flood_end_m=70.0, warmth=0.8),
     "oncoming_glare": Glow(sky_lux=2.0, warmth=0.3),
 }
-"""Light of the recordings that have visible pictures, by name."""
+"""Light of the recordings with visible pictures, by name."""
 
 _SENSOR_NOISE: Final = 0.012
 _SENSOR_EVERY: Final = 2
 
 
 def light_text(recording: Recording) -> str:
-    """The light sensor's file of a recording, as CSV."""
+    """Return a recording's light sensor file as CSV."""
     table = lux_table(recording, GLOWS[recording.name])
     return str(table.to_csv(index=False, lineterminator="\n"))
 
 
 def lux_table(recording: Recording, glow: Glow) -> pd.DataFrame:
-    """What a light sensor behind the windscreen measured: columns time_s and lux, 10 a second."""
+    """Return readings of a light sensor behind the windscreen: time_s and lux, 10 per second."""
     frames = np.arange(0, N_FRAMES, _SENSOR_EVERY)
     lux = np.array([lights_at(recording, glow, int(frame)).driver_lux() for frame in frames])
     generator = np.random.default_rng([31, zlib.crc32(recording.name.encode())])
@@ -44,7 +44,7 @@ def lux_table(recording: Recording, glow: Glow) -> pd.DataFrame:
 
 
 def session_keys(recording: Recording) -> str:
-    """Lines of the session file that name the visible pictures and the light sensor."""
+    """Return the lines of the session file that name the visible pictures and the light sensor."""
     if recording.name not in GLOWS:
         return ""
     numbers = ", ".join(f"{value:g}" for value in visible_map())
@@ -56,10 +56,10 @@ def session_keys(recording: Recording) -> str:
 
 
 def visible_file(recording: Recording) -> str:
-    """Name of the video."""
+    """Return the name of the video."""
     return f"{recording.name}_visible.mp4"
 
 
 def light_file(recording: Recording) -> str:
-    """Name of the light sensor's file."""
+    """Return the name of the light sensor's file."""
     return f"{recording.name}_light.csv"

@@ -1,4 +1,4 @@
-"""Pictures of a recording as a visible-light colour camera would give them."""
+"""Visible-light colour pictures of a recording."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tools.sample.visible.wardrobe import Outfit, outfit
 
 
 class Drive:
-    """A recording as the visible-light camera meets it: luminances, before exposure and noise."""
+    """Recording seen by the visible-light camera: luminances before exposure and noise."""
 
     def __init__(self, recording: Recording, glow: Glow, view: View, *, last_frame: int):
         self._recording, self._glow, self._view = recording, glow, view
@@ -35,12 +35,12 @@ class Drive:
         self._bodies = [joints(person) for person in recording.people]
 
     def frame(self, number: int, outfits: Sequence[Outfit]) -> Colours:
-        """Luminances of one frame in cd/m2, shape (height, width, 3).
+        """Return the luminances of one frame in cd/m2, shape (height, width, 3).
 
         Parameters
         ----------
         outfits
-            Clothes of the people, in their order; who has none is left out.
+            Clothes of the people, in order. People without clothes in the list are left out.
         """
         picture = self._backdrop.copy()
         lights = lights_at(self._recording, self._glow, number)
@@ -54,7 +54,7 @@ class Drive:
 def visible_pictures(
     recording: Recording, glow: Glow, view: View | None = None, *, noise: float = 1.0
 ) -> Iterator[NDArray[np.uint8]]:
-    """Colour pictures of a recording in frame order, RGB, each of shape (height, width, 3)."""
+    """Yield RGB pictures of a recording in frame order, each of shape (height, width, 3)."""
     view = view or View(recording.camera)
     drive = Drive(recording, glow, view, last_frame=N_FRAMES - 1)
     sensor = Sensor(zlib.crc32(recording.name.encode()), view, noise=noise)
@@ -73,7 +73,7 @@ def _stand(
     bodies: list[Floats],
     frame: int,
 ) -> None:
-    """Paint everything that stands on the ground, far things first."""
+    """Paint everything that stands on the ground, far objects first."""
     way = stage.lights.way
     for kind, index, depth in far_first(recording, bodies, frame):
         if kind is Kind.THING:

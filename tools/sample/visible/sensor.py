@@ -1,4 +1,4 @@
-"""The visible-light camera's lens, exposure, noise and tone curve."""
+"""Lens, exposure, noise and tone curve of the visible-light camera."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from tools.sample.visible.view import View
 _NOISE_FRAMES: Final = 5
 _SETTLING_S: Final = 0.35
 _KEY: Final = 0.135
-"""Exposure brings the middle luminance of a dark scene to this share of white."""
+"""Share of white to which exposure brings the median luminance of a dark scene."""
 _REST: Final = 0.82
-"""How far exposure makes up for the light: 1 would give the same picture by day and by night."""
+"""Degree of exposure compensation. 1 would give the same picture by day and by night."""
 _USUAL_CD_M2: Final = 0.4
 _FLOOR_CD_M2: Final = 0.05
 _LAMP_CD_M2: Final = 60.0
 
 
 class Sensor:
-    """Reads pictures of one recording in frame order."""
+    """Sensor that reads the pictures of one recording in frame order."""
 
     def __init__(self, seed: int, view: View, *, noise: float = 1.0):
         generator = np.random.default_rng([29, seed])
@@ -40,19 +40,19 @@ class Sensor:
         self._adapted: float | None = None
 
     def read(self, scene: Colours) -> NDArray[np.uint8]:
-        """Picture of 8 bits, RGB in sRGB's curve, from luminances in cd/m2."""
+        """Return an 8-bit sRGB picture from luminances in cd/m2."""
         exposure = self._exposure(scene)
         light = cv2.GaussianBlur(_bloomed(scene * exposure), (0, 0), 0.6) * self._fall_off
         index = int(self._order.integers(_NOISE_FRAMES))
         shift = tuple(int(v) for v in self._order.integers(0, scene.shape[:2]))
         grain = np.roll(self._grain[index], shift, axis=(0, 1))[..., None]
         tint = np.roll(self._tint, shift, axis=(0, 1))
-        # Photons come one by one, and reading adds its own: noise of a small sensor at night.
+        # Noise of a small sensor at night: photon noise and read noise.
         light += np.sqrt(0.00018 * light + 0.000006) * (0.8 * grain + 0.5 * tint)
         return np.asarray(np.round(255 * _tone(light)), dtype=np.uint8)
 
     def _exposure(self, scene: Colours) -> float:
-        """Gain that follows the middle luminance with a delay."""
+        """Return a gain that follows the median luminance with a delay."""
         luminance = scene[::4, ::4] @ LUMA.astype(np.float32)
         seen = np.clip(luminance, _FLOOR_CD_M2, _LAMP_CD_M2)
         middle = float(np.sqrt(seen).mean() ** 2)
@@ -63,7 +63,7 @@ class Sensor:
 
 
 def _bloomed(light: Colours) -> Colours:
-    """What is brighter than white spreads in the lens."""
+    """Spread light that is brighter than white, as in a lens."""
     over = np.maximum(
         cv2.resize(light, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA) - 1, 0
     )
@@ -76,7 +76,7 @@ def _bloomed(light: Colours) -> Colours:
 
 
 def _tone(light: Colours) -> Colours:
-    """The curve of sRGB with a soft shoulder, 0 to 1."""
+    """Apply the sRGB curve with a soft shoulder, 0 to 1."""
     light = np.maximum(light, 0.0)
     shoulder = np.where(light > 0.6, 0.6 + 0.4 * (1 - np.exp(-(light - 0.6) / 0.4)), light)
     curve = np.where(shoulder <= 0.0031308, 12.92 * shoulder, 1.055 * shoulder ** (1 / 2.4) - 0.055)

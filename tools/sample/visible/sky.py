@@ -20,18 +20,18 @@ _ZENITH: Final = np.array([0.52, 0.86, 1.62])
 
 
 def horizon_glow(glow: Glow) -> Floats:
-    """Luminance of the sky just above the horizon, cd/m2 in red, green, blue."""
+    """Return the luminance of the sky just above the horizon, cd/m2 in red, green, blue."""
     colour = glow.warmth * _SUNSET + (1 - glow.warmth) * _BLUE_HOUR
     return np.asarray(colour * glow.sky_lux / np.pi * 2.8)
 
 
 def air(glow: Glow) -> Floats:
-    """Luminance of the haze in front of far things, cd/m2 in red, green, blue."""
+    """Return the luminance of the haze in front of far objects, cd/m2 in red, green, blue."""
     return np.asarray(0.26 * horizon_glow(glow))
 
 
 def sky(recording: Recording, glow: Glow, view: View) -> Colours:
-    """Sky and skyline; nothing there moves in 15 seconds."""
+    """Draw sky and skyline, which do not move within 15 seconds."""
     generator = np.random.default_rng([24, zlib.crc32(recording.name.encode())])
     size = (view.height, view.width)
     up = (view.horizon - np.arange(view.height) - 0.5)[:, None] / view.focal_px

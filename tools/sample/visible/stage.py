@@ -1,4 +1,4 @@
-"""What every drawing needs: the picture, the light at this moment, the air."""
+"""Shared state of all drawing functions: picture, light at this moment, air."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _FAR_M = 300.0
 
 @dataclass(frozen=True)
 class Stage:
-    """One frame in the making."""
+    """One frame being drawn."""
 
     easel: Easel
     view: View
@@ -31,20 +31,20 @@ class Stage:
 
     @property
     def glow(self) -> Glow:
-        """Kind of light of the recording."""
+        """Light of the recording."""
         return self.lights.glow
 
     def veil(self, depth_m: float) -> Veil:
-        """The air in front of a thing."""
+        """Return the air in front of an object."""
         clear = float(np.exp(-max(depth_m, 0.0) / HAZE_M))
         return clear, (1 - clear) * self.air
 
     def luminance(self, points: Floats, normal: Floats = TO_CAMERA, *, wrap: float = 0.0) -> Floats:
-        """Luminance of a white matt surface at points, shape (n, 3), cd/m2."""
+        """Return the luminance of a white matt surface at points, shape (n, 3), cd/m2."""
         return self.lights.at(points, normal, wrap=wrap) / np.pi
 
     def wall(self, faces: Sequence[Face], normal: Floats, *, soften: float = 0.35) -> None:
-        """Paint faces of one plane in order, with the light at every place of it."""
+        """Paint faces of one plane in order, with the light at every place on it."""
         shapes = self.outlines(faces)
         if not shapes:
             return
@@ -74,7 +74,7 @@ class Stage:
         self.easel.paint(self.outlines(faces), soften=soften)
 
     def outlines(self, faces: Sequence[Face]) -> list[Shape]:
-        """Images of faces, projected in one go; those behind the camera are left out."""
+        """Project faces in one go, leaving out those behind the camera."""
         if not faces:
             return []
         counts = [len(corners) for corners, _ in faces]

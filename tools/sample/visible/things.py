@@ -1,4 +1,4 @@
-"""Houses, trees, lamps, poles, signs, posts and cabinets by visible light."""
+"""Drawing of houses, trees, lamps, poles, signs, posts and cabinets in visible light."""
 
 from __future__ import annotations
 
@@ -48,11 +48,11 @@ _BARS: Final = {
     "8": _ALL,
 }
 _WINDOWS_M: Final = 120.0
-"""Farther windows along the road are a pixel wide."""
+"""Maximum distance of drawn windows along the road. Farther ones are a pixel wide."""
 
 
 def draw_thing(stage: Stage, thing: Thing, ahead_m: float) -> None:
-    """Paint one thing whose near side is `ahead_m` metres ahead."""
+    """Paint one object whose near side is `ahead_m` metres ahead."""
     if thing.kind in ("tree", "bush"):
         _plant(stage, thing, ahead_m)
     elif thing.kind == "house":
@@ -109,7 +109,7 @@ def _gable_windows(
 def _windows(
     thing: Thing, x: float, z: float, generator: np.random.Generator
 ) -> tuple[list[Face], list[Face]]:
-    """Windows of the wall along the road: frames and dark panes, and rooms that are lit."""
+    """Return windows of the wall along the road (frames and dark panes), and lit rooms."""
     panes: list[Face] = []
     rooms: list[Face] = []
     n_across = max(int(thing.depth_m / 2.7), 1)
@@ -134,7 +134,7 @@ def _windows(
 
 
 def _mast(stage: Stage, x: float, width: float, top: float, z: float, albedo: Floats) -> None:
-    """A round mast in pieces, each in its own light."""
+    """Draw a round mast in pieces, each in its own light."""
     heights = np.linspace(0.0, top, 15)
     shades = ((-0.5, 0.5, 0.75), (-0.25, 0.35, 1.15))
     pieces: list[Face] = [
@@ -184,7 +184,7 @@ def _sign(stage: Stage, thing: Thing, z: float) -> None:
 
 
 def _plate(stage: Stage, thing: Thing, z: float) -> None:
-    """The plate of a sign, whose film sends headlight back to the car."""
+    """Draw the plate of a sign, whose film reflects headlight back to the car."""
     half = thing.width_m / 2
     middle = np.array([thing.x, thing.size_m - half, z])
     angle = np.linspace(0, 2 * np.pi, 28, endpoint=False)
@@ -200,7 +200,7 @@ def _plate(stage: Stage, thing: Thing, z: float) -> None:
 
 
 def _strokes(shows: str) -> list[Floats]:
-    """What stands on a sign of radius 1, as polygons of shape (4, 2); digits have seven bars."""
+    """Return the text of a sign of radius 1 as polygons, (4, 2). Digits have seven bars."""
     if shows == "end":
         return [np.array([[-0.68, -0.48], [-0.48, -0.68], [0.68, 0.48], [0.48, 0.68]])]
     strokes = []
@@ -246,7 +246,7 @@ def _plant(stage: Stage, thing: Thing, z: float) -> None:
     scale = stage.view.focal_px / float(depth)
     height = thing.size_m * scale * 1.02
     wide = (thing.width_m if thing.kind == "bush" else thing.size_m * 0.72) * scale
-    # A sprite far larger than its place is read from a halved copy, else it would sparkle.
+    # A sprite far larger than its place is read from a halved copy to avoid sparkling.
     levels = _leafy(seed % 7, thing.kind == "bush")
     shrink = max(_SPRITE[0] / max(height, 1.0), _SPRITE[1] / max(wide, 1.0))
     image, cover = levels[int(np.clip(np.floor(np.log2(max(shrink, 1.0))), 0, len(levels) - 1))]
@@ -264,7 +264,7 @@ def _plant(stage: Stage, thing: Thing, z: float) -> None:
 
 @lru_cache(maxsize=16)
 def _leafy(seed: int, low: bool) -> tuple[tuple[Colours, Colours], ...]:
-    """The thermal picture's trees with more light and shade, as (image x 3, cover)."""
+    """Return the thermal picture's trees with more light and shade, as (image x 3, cover)."""
     generator = np.random.default_rng([27, seed])
     spots = cv2.GaussianBlur(generator.standard_normal(_SPRITE).astype(np.float32), (0, 0), 1.6)
     levels = []

@@ -1,7 +1,7 @@
-"""The visible-light camera: same place and direction as the thermal one, other size and offset.
+"""Visible-light camera: position and direction of the thermal one, but another size and offset.
 
 Both cameras look through one point, so a thermal pixel has one place in the visible picture:
-`x_visible = sx * x + dx`, `y_visible = sy * y + dy`. A real pair has a parallax besides.
+`x_visible = sx * x + dx`, `y_visible = sy * y + dy`. A real pair additionally has parallax.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from tools.sample.camera import Camera, Floats
 from tools.sample.canvas import project_polygon
 
 VISIBLE_SIZE: Final = (960, 540)
-"""Width and height of the visible pictures of the recordings."""
+"""Width and height of the visible pictures."""
 
 
 @dataclass(frozen=True)
 class View:
-    """Size of the visible picture, and its pixels from those of the thermal camera.
+    """Size of the visible picture, and its mapping from thermal pixels.
 
     Attributes
     ----------
@@ -48,21 +48,21 @@ class View:
         return self.camera.horizon * self.scale + self.dy
 
     def from_thermal(self, pixels: Floats) -> Floats:
-        """Visible from thermal pixels, shape (..., 2)."""
+        """Convert thermal to visible pixels, shape (..., 2)."""
         return np.asarray(pixels * self.scale + np.array([self.dx, self.dy]))
 
     def project(self, points: Floats) -> tuple[Floats, Floats]:
-        """Pixels and depth in metres of points relative to the car, as `Camera.project`."""
+        """Return pixels and depth in metres of points relative to the car, as `Camera.project`."""
         pixels, depth = self.camera.project(points)
         return self.from_thermal(pixels), depth
 
     def outline(self, corners: Floats) -> Floats | None:
-        """Image of a flat polygon, cut at the near plane; None where nothing is ahead."""
+        """Project a flat polygon, clipped at the near plane. Return None if nothing is ahead."""
         outline = project_polygon(self.camera, corners)
         return None if outline is None else self.from_thermal(outline)
 
     def rays(self, columns: Floats, rows: Floats) -> Floats:
-        """Directions of pixels, metres x, y, z per metre of depth, shape (..., 3)."""
+        """Return directions of pixels, metres x, y, z per metre of depth, shape (..., 3)."""
         camera = self.camera
         across = ((columns - self.dx) / self.scale - THERMAL_WIDTH / 2) / camera.focal_px
         up = -((rows - self.dy) / self.scale - THERMAL_HEIGHT / 2) / camera.focal_px
@@ -70,23 +70,23 @@ class View:
         return np.stack([across, cosine * up - sine, cosine + sine * up], axis=-1)
 
     def ground_depth(self, rows: Floats) -> Floats:
-        """Metres ahead at which the road is seen on rows below the horizon."""
+        """Return the distance ahead, m, at which the road appears on rows below the horizon."""
         return self.camera.ground_depth((rows - self.dy) / self.scale)
 
 
 def visible_map() -> tuple[float, float, float, float]:
-    """`sx, sy, dx, dy` of the recordings, as a session file says them."""
+    """Return `sx, sy, dx, dy` of the recordings, as written in a session file."""
     view = View(Camera())
     return view.scale, view.scale, view.dx, view.dy
 
 
 def mapped_boxes(view: View, edges: Floats) -> Floats:
-    """Boxes x, y, w, h in visible pixels, clipped to the picture and in quarters of a pixel.
+    """Return boxes x, y, w, h in visible pixels, clipped to the picture, in quarters of a pixel.
 
     Parameters
     ----------
     edges
-        Left, top, right, bottom in thermal pixels, not clipped, shape (n, 4).
+        Left, top, right, bottom in thermal pixels, unclipped, shape (n, 4).
     """
     corners = view.from_thermal(edges.reshape(-1, 2, 2)).reshape(-1, 4)
     inside = np.clip(corners, 0.0, [view.width, view.height, view.width, view.height])

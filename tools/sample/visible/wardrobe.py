@@ -64,17 +64,17 @@ class Outfit:
 def outfit(
     name: str, reflectance: float, coat: str | None = None, trousers: str | None = None
 ) -> Outfit:
-    """The clothes of a person.
+    """Choose the clothes of a person.
 
     Parameters
     ----------
     name
-        Of the person: the same name, the same clothes.
+        Name of the person. Equal names give equal clothes.
     reflectance
-        As of the near infrared. Dyes differ there, so that it fixes the brightness of the coat
-        only roughly.
+        Reflectance in the near infrared. Dyes behave differently there, so it determines the
+        brightness of the coat only roughly.
     coat, trousers
-        Names of clothes; None: chosen by reflectance and name.
+        Names of clothes. None: chosen by reflectance and name.
     """
     generator = np.random.default_rng([25, zlib.crc32(name.encode())])
     near_coats = _near(COATS, 0.62 * reflectance, 4)
@@ -94,13 +94,13 @@ def outfit(
 
 
 def _near(clothes: dict[str, tuple[float, float, float]], luminance: float, n: int) -> list[str]:
-    """The `n` clothes whose albedo is nearest in ratio."""
+    """Return the `n` clothes whose albedo is nearest in ratio."""
     away = {name: abs(np.log(np.array(c) @ LUMA / max(luminance, 0.02))) for name, c in
             clothes.items()}  # fmt: skip
     return sorted(away, key=lambda name: away[name])[:n]
 
 
 def of_place(colours: tuple[tuple[float, float, float], ...], x: float, z: float) -> Floats:
-    """Colour of a thing that stands at a place: the same place, the same colour."""
+    """Return the colour of an object at a place. Equal places give equal colours."""
     seed = zlib.crc32(f"{x:.2f} {z:.2f}".encode())
     return np.array(colours[seed % len(colours)])
