@@ -1,1 +1,1 @@
-"""Small parts that several pages draw."""
+"""Small elements that several pages draw."""

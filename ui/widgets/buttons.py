@@ -1,4 +1,4 @@
-"""Buttons whose clicks are not lost (see `ui.widgets.clicks`)."""
+"""Buttons that never lose clicks (see `ui.widgets.clicks`)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Controls and tables that several pages share."""
+"""Controls and tables shared by several pages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ui.settings.limits import MEBI
 
 Option = TypeVar("Option")
 MOST_MB: Final = 5
-"""Size of a small file."""
+"""Maximum size of a small file."""
 
 
 def choose_side_by_side(
@@ -24,7 +24,7 @@ def choose_side_by_side(
 ) -> Option:
     """Draw options side by side and return the selected one.
 
-    The choice is kept while other pages are shown. A mapping gives the words of each option.
+    The choice is kept while other pages are shown. A mapping gives the label of each option.
     """
     words = options.__getitem__ if isinstance(options, Mapping) else str
     option: Option = st.segmented_control(
@@ -41,7 +41,7 @@ def choose_side_by_side(
 def look_closer(parts: Mapping[str, str], chosen: Entry[str | None], **more: Any) -> str | None:
     """Draw the titles of a page's optional sections, and return the selected one (None at first).
 
-    A section that is not chosen costs nothing.
+    Sections that are not selected cost nothing.
     """
     if chosen.get() not in (None, *parts):
         chosen.set(None)
@@ -80,12 +80,12 @@ def ask_for_file(label: str, key: str, help: str | None = None) -> tuple[bytes, 
     Raises
     ------
     InputError
-        If it is too large.
+        If the file is too large.
     """
     sent = st.file_uploader(label, type=["csv", "txt"], key=key, max_upload_size=MOST_MB, help=help)
     if sent is None:
         return None
-    if sent.size > MOST_MB * MEBI:  # the browser refuses it, unless it is made not to
+    if sent.size > MOST_MB * MEBI:  # the browser rejects it, unless it was manipulated
         raise InputError(f"the file is larger than {MOST_MB} MB", file=sent.name)
     return sent.getvalue(), sent.name
 

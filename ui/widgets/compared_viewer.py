@@ -52,13 +52,13 @@ def draw(
     Parameters
     ----------
     fits_window, listed
-        As of `viewer`.
+        See `viewer`.
     seen
-        How the pictures are seen at first; None: as chosen in this browser session.
+        Initial look of the pictures. None: as chosen in this browser session.
     visible
-        In place of what the recording has.
+        Visible-light pictures instead of the recording's own.
     encounter
-        Whose pedestrian is marked; None: that of the chosen one.
+        Encounter whose pedestrian is marked. None: the selected one.
     """
     recording = state.recording()
     rows = result.dataset.frame_columns.rows_of(recording)

@@ -1,4 +1,4 @@
-"""Pictures of the open recordings: how they are seen, thumbnails, arguments of the viewer."""
+"""Pictures of the open recordings: their look, thumbnails, and arguments of the viewer."""
 
 from __future__ import annotations
 
@@ -22,42 +22,42 @@ from ui.session import state, store
 from ui.subjects import contributed
 
 NAMES: Final = ("picture", "blend", "seen_s")
-"""What an address says of it."""
+"""Address entries of a look."""
 CHOICES: Final = ("own", "visible", "blended", "both")
 MOST_SECONDS: Final = 10.0
-"""Longest time after a change of light that can be chosen."""
+"""Maximum time after a change of light that users can choose."""
 CLOCK: Final = "clock"
-"""In place of seconds: those since the recording's own change of light, frame by frame."""
+"""Value instead of seconds: time since the recording's own change of light, frame by frame."""
 MOST_THUMBNAILS: Final = 64
 HEIGHTS: Final = 2.2
-"""Height of a cut-out in heights of the pedestrian."""
+"""Height of a cut-out in multiples of the pedestrian's height."""
 LEAST: Final = 0.4
-"""Least height of a cut-out, as a share of the picture's."""
+"""Minimum height of a cut-out, as a share of the picture's."""
 ASPECT: Final = 1.6
 """Width of a cut-out over its height."""
 LEAST_STRETCH: Final = 0.1
-"""Least distance of the two percentiles of the display stretch."""
+"""Minimum distance of the two percentiles of the display stretch."""
 
 
 class VisiblePictures(NamedTuple):
-    """Visible-light pictures of a recording, besides its own.
+    """Visible-light pictures of a recording, in addition to its own.
 
     Attributes
     ----------
     area
-        x, y, w, h of what they show, px of the recording.
+        x, y, w, h of the area that they show, px of the recording.
     has_picture
-        Whether a row has one, bool, shape (n_rows,).
+        Rows with a visible-light picture, bool, shape (n_rows,).
     seen_s
-        Seconds since a change of light at the end of each row, inf: the eyes are adapted, NaN: not
-        known, float64, shape (n_rows,). None: nothing is known of the light.
+        Seconds since a change of light at the end of each row, float64, shape (n_rows,). inf: the
+        eyes are adapted. NaN: unknown. None: the light is unknown.
     is_simulated
-        Rows whose seconds are of a change that never was, bool, shape (n_rows,); None: none.
+        Rows whose seconds count from a simulated change, bool, shape (n_rows,). None: no row.
     change_s
-        When it really became dark, also between rows, on the axis of the rows' times, float64,
-        ascending: a change that the viewer simulates ends there.
+        Times of real changes, also between rows, on the time axis of the rows, float64, ascending.
+        A change simulated by the viewer ends there.
     can_simulate
-        Whether the viewer offers a change of light of its own; not where the page does.
+        Whether the viewer offers to simulate a change of light. False if the page does so.
     """
 
     area: tuple[float, float, float, float]
@@ -70,18 +70,18 @@ class VisiblePictures(NamedTuple):
 
 @dataclass(frozen=True)
 class Sight:
-    """How eyes see the pictures of visible light of a recording that stand beside its own.
+    """Simulation of how eyes see the visible-light pictures of a recording.
 
     Attributes
     ----------
     label, hint
-        What the viewer's button is called, and its help text.
+        Label and help text of the viewer's button.
     add_light
-        Adds to a recording's `VisiblePictures` what is known of its light.
+        Adds the known light to a recording's `VisiblePictures`.
     trouble
-        Why nothing is known of the light of a recording, in a sentence; empty: no reason.
+        Returns why the light of a recording is unknown, in a sentence, or "" without a reason.
     show
-        A picture, as eyes see it so many seconds after a change of light; infinite: adapted.
+        Returns a picture as eyes see it some seconds after a change of light. Infinite: adapted.
     """
 
     label: str
@@ -92,18 +92,18 @@ class Sight:
 
 
 class Look(NamedTuple):
-    """How the pictures of a recording are seen.
+    """Choice of how to show the pictures of a recording.
 
     Attributes
     ----------
     picture
-        "own", "visible", "blended" or "both" (side by side); where there are none of visible light,
-        its own are seen.
+        "own", "visible", "blended" or "both" (side by side). Without visible-light pictures, the
+        recording's own are shown.
     blend
-        Share of visible light where they are blended, 0..1.
+        Share of visible light in a blended picture, 0..1.
     seen_s
-        Seconds after a change of light for which visible light is shown as eyes see it;
-        `CLOCK`: those of the recording at each frame. None: as it is.
+        Seconds after a change of light for which visible light is shown as eyes see it. `CLOCK`:
+        those of the recording at each frame. None: unchanged pictures.
     """
 
     picture: str = "own"
@@ -115,7 +115,7 @@ OWN_PICTURES: Final = Look()
 
 
 def look() -> Look:
-    """The look in this browser session: as chosen, else as the address says."""
+    """Return the look in this browser session: as chosen, or else as in the address."""
     known = store.LOOK.get()
     if known is None:
         known = from_address(st.query_params.to_dict()) or OWN_PICTURES
@@ -124,13 +124,13 @@ def look() -> Look:
 
 
 def keep_look(chosen: Look) -> None:
-    """Use this look from now on, and put it into the page's address."""
+    """Use this look from now on, and write it to the page's address."""
     store.LOOK.set(chosen)
     state.write_address(to_address(chosen), NAMES)
 
 
 def to_address(chosen: Look) -> dict[str, str]:
-    """The look as query parameters; defaults are left out.
+    """Return a look as query parameters, without defaults.
 
     Examples
     --------
@@ -153,7 +153,7 @@ def to_address(chosen: Look) -> dict[str, str]:
 
 
 def from_address(query: Mapping[str, str]) -> Look | None:
-    """The look from query parameters, checked; None if there is no valid one."""
+    """Parse a look from query parameters. Return None if there is no valid one."""
     sent = {name: query[name] for name in NAMES if name in query}
     if not sent:
         return None
@@ -162,7 +162,7 @@ def from_address(query: Mapping[str, str]) -> Look | None:
 
 
 def read_look(sent: Any) -> Look | None:
-    """The look from a browser message or an address, checked; None if there is no valid one."""
+    """Parse a look from a browser message or an address. Return None if there is no valid one."""
     if not isinstance(sent, Mapping) or sent.get("picture") not in CHOICES:
         return None
     blend = _within(sent.get("blend"), 1.0)
@@ -188,7 +188,7 @@ def _sent(text: str) -> float | str | None:
 
 
 def cost_map_of(recording: int) -> CostMap:
-    """The cost map of a recording with the live parameters."""
+    """Return the cost map of a recording with the current parameters."""
     dataset, settings = state.opened().dataset, state.params().only_for(COST)
     return state.cached(
         "cost_map",
@@ -201,8 +201,12 @@ def cost_map_of(recording: int) -> CostMap:
 
 
 def thumbnail(what: Hashable, draw: Callable[[], bytes]) -> bytes:
-    """Picture of (part of) a frame with its boxes; cached while nothing in it changes."""
-    key = (state.workspace().version, stretch(), what)  # other pictures forget all
+    """Return a cached picture of a frame, or part of it, with its boxes."""
+    key = (
+        state.workspace().version,
+        stretch(),
+        what,
+    )  # a new version of the pictures invalidates all
     return state.cached("thumbnails", key, draw, most=MOST_THUMBNAILS)
 
 
@@ -214,14 +218,14 @@ def part_of_frame(
     labels: bool,
     is_visible: bool = False,
 ) -> np.ndarray:
-    """The part of a frame around a box (px), with the boxes of truth, X and Y.
+    """Return the part of a frame around a box (px), with the boxes of truth, X and Y.
 
-    Without a box the whole frame; without pictures the boxes on a blank.
+    Without a box it is the whole frame. Without pictures, the boxes are on a blank area.
 
     Parameters
     ----------
     is_visible
-        Whether of visible light, which the frame `has_visible`.
+        Use visible light, which requires `has_visible`.
     """
     recording, in_recording = state.place_of(row)
     pictures: PictureReader | None
@@ -244,7 +248,7 @@ def part_of_frame(
 
 
 def cut_out(picture: np.ndarray, xywh: np.ndarray) -> np.ndarray:
-    """The part of a picture around a box, wide enough to show where it is."""
+    """Return the part of a picture around a box, wide enough to show where it is."""
     x, y, w, h = xywh
     n_rows, n_columns = picture.shape[:2]
     high = int(min(n_rows, max(HEIGHTS * h, LEAST * n_rows)))
@@ -255,7 +259,7 @@ def cut_out(picture: np.ndarray, xywh: np.ndarray) -> np.ndarray:
 
 
 def stretch() -> tuple[float, float]:
-    """Percentiles of the display stretch."""
+    """Return the percentiles of the display stretch."""
     lo, hi = store.STRETCH.get() or STRETCH
     lo = min(float(lo), 100 - LEAST_STRETCH)
     return lo, max(float(hi), lo + LEAST_STRETCH)
@@ -264,12 +268,12 @@ def stretch() -> tuple[float, float]:
 def viewer_arguments(
     result: Result, recording: int, *, with_visible: bool = True
 ) -> dict[str, Any]:
-    """Arguments of `viewer` for the pictures, frames and boxes of a recording.
+    """Return the arguments of `viewer` for pictures, frames and boxes of a recording.
 
     Parameters
     ----------
     with_visible
-        Whether pictures of visible light may be seen, too: what is known of the light takes time.
+        Offer visible-light pictures. Finding the known light takes time.
     """
     space, frames = state.workspace(), result.dataset.frame_columns
     in_recording = frames.rows_of(recording)
@@ -294,7 +298,7 @@ def viewer_arguments(
 
 
 def has_visible(row: int) -> bool:
-    """Whether a frame has a picture of visible light besides its own."""
+    """Whether a frame has a visible-light picture in addition to its own."""
     recording, in_recording = state.place_of(row)
     visible = state.workspace().visible
     return recording in visible.sources and bool(visible.indices[recording][in_recording] >= 0)
@@ -303,7 +307,7 @@ def has_visible(row: int) -> bool:
 def _visible_in_place(
     result: Result, recording: int, in_recording: int
 ) -> tuple[PictureReader, int]:
-    """Visible-light pictures cropped to the recording's view, and the index for that frame."""
+    """Return visible-light pictures cropped to the recording's view, and the index for a frame."""
     visible, frames = state.workspace().visible, result.dataset.frame_columns
     size = float(frames.width[recording]), float(frames.height[recording])
     source = MappedPictures(visible.sources[recording], visible.maps[recording], size)
@@ -311,7 +315,7 @@ def _visible_in_place(
 
 
 def visible_of(recording: int) -> VisiblePictures | None:
-    """Visible-light pictures of a recording; None if it has none."""
+    """Return the visible-light pictures of a recording, or None if it has none."""
     pictures = state.workspace().visible
     if recording not in pictures.sources:
         return None

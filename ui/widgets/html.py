@@ -1,4 +1,4 @@
-"""Tables of measures as HTML: whole at any width, selectable, and read aloud row by row."""
+"""Tables of measures as HTML: complete at any width, selectable, and accessible row by row."""
 
 from __future__ import annotations
 
@@ -24,39 +24,39 @@ from nvcore.wording import (
 from ui.session import state
 
 MEANS_LITTLE: Final = " *"
-"""Mark of a measure that means little where most encounters are one frame long."""
+"""Mark of a measure that means little if most encounters are one frame long."""
 HEAD: Final = ("X", "Y", "X − Y")
 SHORTER: Final = {".4f": ".3f"}
-"""Formats of values whose interval is not known."""
+"""Formats of values without a known interval."""
 
 
 @dataclass(frozen=True)
 class MeasureRow:
-    """One row of a table of measures.
+    """Row of a table of measures.
 
     Attributes
     ----------
     label
-        Name of the measure, as plain text like all else.
+        Name of the measure. All texts are plain.
     cells
-        Its values, as many in each row.
+        Values of the measure. All rows have the same number of cells.
     better
-        Whose value is better, ``x`` or ``y``: the first or the second cell is marked.
+        System with the better value, ``x`` or ``y``, whose cell (first or second) is marked.
     level
-        1 for a part of the row above.
+        1 for a component of the row above.
     marks
         Footnotes, such as ``a b``.
     hint
-        What the measure is, shown when the mouse is over its name.
+        Description of the measure, shown while the mouse is over its name.
     lines
-        CSS borders that stand before the name as samples of the lines of systems.
+        CSS borders before the name as samples of the systems' lines.
     colours
-        Of the two systems of this row, where they are not X and Y; else empty.
+        Colours of the two systems of this row if they are not X and Y, else empty.
     key, form
-        Of the measure, and the format of its values, where the first cells are its X, Y and
-        X - Y: the browser writes them anew while a slider moves. Else empty.
+        Key of the measure and format of its values, if the first cells are its X, Y and X - Y. The
+        browser then updates them while a slider moves. Empty otherwise.
     is_marked
-        Whether it then marks the better value, too.
+        Whether the browser also marks the better value.
     """
 
     label: str
@@ -73,13 +73,13 @@ class MeasureRow:
 
 
 def value_hooks(key: str, form: str, *, is_marked: bool) -> str:
-    """Attributes of a row or a tile by which the browser finds a measure."""
+    """Return the HTML attributes by which the browser finds a measure's row or tile."""
     better = f' data-better="{measure_of(key).better}"' if is_marked else ""
     return f' data-measure="{escape(key, quote=True)}" data-form="{form}"{better}'
 
 
 def stamp_html() -> str:
-    """Of which settings numbers are, for the browser: it says so while a slider shows others."""
+    """Return an element that tells the browser which settings the numbers belong to."""
     params = state.params()
     values = {name: getattr(params, name) for name in SETTINGS}
     numbers = {name: value for name, value in values.items() if isinstance(value, float)}
@@ -87,17 +87,17 @@ def stamp_html() -> str:
 
 
 def with_arrow(label: str, better: Better | str) -> str:
-    """The label, and which way is better."""
+    """Return the label with an arrow in the better direction."""
     return label + ARROWS[better]
 
 
 def score_row(row: ScoreRow, *, width: float = math.nan, is_short: bool = False) -> MeasureRow:
-    """A row of the scorecard.
+    """Return a row of the scorecard.
 
     Parameters
     ----------
     width
-        Of the difference's 95 % interval: decimals below it are left out; NaN: none is known.
+        Width of the difference's 95 % interval, which limits the decimals. NaN: unknown.
     is_short
         Whether most encounters are one frame long.
     """
@@ -124,7 +124,7 @@ def measures_html(
     first: str = "Measure",
     note: str = "",
 ) -> str:
-    """The table as HTML; its class is `key`. A note stands below it."""
+    """Return the table as HTML with `key` as its class, and a note below."""
     heads = "".join(f'<th scope="col">{_text(cell)}</th>' for cell in head)
     body = "".join(_row(row) for row in rows)
     below = f'<p class="nv-note">{_text(note)}</p>' if note else ""

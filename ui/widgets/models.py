@@ -1,4 +1,4 @@
-"""Files of models that a page may take: one that was sent, and those below the local folder."""
+"""Model files that a page accepts: an uploaded one, and those below the local folder."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ MOST_MODELS: Final = 500
 
 @dataclass(frozen=True)
 class ModelKind:
-    """Kind of model files that a page takes.
+    """Kind of model files that a page accepts.
 
     Attributes
     ----------
     name
-        Begins the keys of its widgets; the choice of the model has it as its key.
+        Prefix of the widgets' keys. The choice of the model has it as its key.
     endings
-        What the files below the local folder end with.
+        File extensions to list below the local folder.
     max_bytes
-        Size of a file that is sent.
+        Maximum size of an uploaded file.
     check
-        Raises `NvcoreError` where a file that was sent, called so, may not be used.
+        Raises `NvcoreError` if an uploaded file with this name must not be used.
     sent_endings
-        What a file that is sent may end with.
+        Accepted extensions of an uploaded file.
     """
 
     name: str
@@ -48,17 +48,17 @@ class ModelKind:
 
     @property
     def field(self) -> str:
-        """Key of the field for a file."""
+        """Key of the upload field."""
         return f"{self.name}_file"
 
     @property
     def sent(self) -> str:
-        """Key under which the workspace remembers the model that was sent."""
+        """Workspace key of the uploaded model."""
         return f"{self.name}_sent"
 
 
 class ModelFile(NamedTuple):
-    """A file of a model: where it lies, what it is called, and of which content it is."""
+    """Model file: path, label, and an identifier of its content."""
 
     path: Path
     name: str
@@ -66,15 +66,16 @@ class ModelFile(NamedTuple):
 
 
 def draw_field(kind: ModelKind, label: str, *, shown: Callable[[NvcoreError], str]) -> None:
-    """Draw the field for a file. A sent file is chosen, and stays until another is sent.
+    """Draw the upload field. An uploaded file is selected, and stays until the next upload.
 
     Parameters
     ----------
     shown
-        An error as the page says it, not yet plain.
+        Formats an error for the page, before escaping.
     """
     seen, trouble = store.MODEL_FILE_SEEN.of(kind.field), store.MODEL_TROUBLE.of(kind.field)
-    # of any ending: what Streamlit itself refuses leaves the file before, and stands there for good
+    # accept all extensions: a rejection by Streamlit itself would keep the old file, and stay
+    # visible
     file = st.file_uploader(label, max_upload_size=kind.max_bytes >> 20, key=kind.field)
     if file is not None and seen.get() != file.file_id:
         seen.set(file.file_id)
@@ -84,14 +85,14 @@ def draw_field(kind: ModelKind, label: str, *, shown: Callable[[NvcoreError], st
 
 
 def model_files(kind: ModelKind) -> dict[str, ModelFile]:
-    """Return the files that may be chosen, by the value of the choice. A sent file comes first."""
+    """Return the selectable files by the value of the choice. An uploaded file comes first."""
     files: dict[str, ModelFile] = {}
     sent: ModelFile | None = state.workspace().notes.get(kind.sent)
     if sent is not None:
         files[f"sent {sent.version}"] = sent._replace(name=f"{sent.name}, as sent")
     try:
         root = local_root()
-    except NvcoreError:  # said on the Data page
+    except NvcoreError:  # reported on the Data page
         return files
     for path in [] if root is None else models_below(root, kind.endings):
         assert root is not None
@@ -103,18 +104,18 @@ def model_files(kind: ModelKind) -> dict[str, ModelFile]:
 
 
 def is_sent(key: str) -> bool:
-    """Whether a key of `model_files` is that of the file that was sent."""
+    """Whether a key of `model_files` stands for the uploaded file."""
     return key.startswith("sent ")
 
 
 def models_below(root: LocalRoot, endings: tuple[str, ...]) -> list[str]:
-    """Paths of the files below the local folder that are called like models."""
+    """Return the paths below the local folder that have a model's extension."""
     files = chain.from_iterable(paths for _, paths in root.walk(MOST_FOLDERS))
     return [*islice((path for path in files if path.lower().endswith(endings)), MOST_MODELS)]
 
 
 def _take(kind: ModelKind, file: UploadedFile, shown: Callable[[NvcoreError], str]) -> str:
-    """Store the model and choose it. If that fails, keep the one sent before and return why."""
+    """Store a model and select it. On failure, keep the previous one and return the reason."""
     try:
         model = _stored(kind, file)
     except NvcoreError as error:
@@ -125,12 +126,12 @@ def _take(kind: ModelKind, file: UploadedFile, shown: Callable[[NvcoreError], st
 
 
 def _stored(kind: ModelKind, file: UploadedFile) -> ModelFile:
-    """The model on disk.
+    """Store an uploaded model on disk.
 
     Raises
     ------
     NvcoreError
-        If it is too large, no model that may be sent, or there is no room.
+        If it is too large, not an accepted model, or there is no space left.
     """
     if not file.name.lower().endswith(kind.sent_endings):
         expected = " or ".join(kind.sent_endings)

@@ -1,4 +1,4 @@
-"""The recording selector, and that of a frame."""
+"""Selectors for the recording and the frame."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from ui.widgets.text import plain
 
 
 def recording_choice() -> None:
-    """The recording selector; by which rule pictures show frames, where it is not the usual one."""
+    """Draw the recording selector, and the rule that assigns pictures if it is unusual."""
     left, right = st.columns([2, 3], vertical_alignment="bottom")
     _draw_recordings(left, right)
 
 
 def _draw_recordings(left: DeltaGenerator, right: DeltaGenerator) -> None:
     names = state.recording_names()
-    # with another choice of recordings by their tags the same number is another recording
+    # after a change of tags, the same number means another recording
     key = f"recording_choice_{state.workspace().n_opened}_{len(names)}_{state.recording()}"
     recording = left.selectbox(
         "Recording",
@@ -37,7 +37,7 @@ def _draw_recordings(left: DeltaGenerator, right: DeltaGenerator) -> None:
 
 
 def choose_recording_and_frame(key: str) -> None:
-    """The current recording and frame, as the Timeline has them, to be changed; it has frames."""
+    """Draw selectors for the Timeline's current recording and frame. The recording has frames."""
     left, middle, right = st.columns([4, 2, 4], vertical_alignment="bottom")
     _draw_recordings(left, right)
     recording, row = state.recording(), state.row()
@@ -57,7 +57,7 @@ def choose_recording_and_frame(key: str) -> None:
 
 
 def nearest_row(numbers: np.ndarray, number: int, row: int) -> int:
-    """Row of the evaluated frame for a number, one further at least: a step always moves.
+    """Return the row of the evaluated frame nearest to a number. It always differs from `row`.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The scripts of the dashboard's components, which are modules in files of their own."""
+"""Scripts of the dashboard's components, which are modules in separate files."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ _EXPORT: Final = re.compile(r"^export (?!default )", re.MULTILINE)
 
 
 def read_script(path: Path) -> str:
-    """A module and those that it imports as one module, each after those that it needs.
+    """Bundle a module and its imports into one module, each after its dependencies.
 
-    Streamlit loads a component's script as a blob, to which no address of another file is relative.
-    The modules come to share one scope: imports rename nothing, do not go in circles, and no two
-    modules declare the same name.
+    Streamlit loads a component's script as a blob, which cannot import other files by relative
+    address. All modules share one scope: imports must not rename anything or be circular, and no
+    two modules may declare the same name.
     """
     texts: dict[Path, str] = {}
 

@@ -47,9 +47,9 @@ LOOKS: Final[dict[str, ColumnLook]] = {
     "saliency_s": ColumnLook("Saliency (s)"),
     **{name: look for looks in contributed("COLUMN_LOOKS") for name, look in looks.items()},
 }
-"""Looks of columns that differ from the default for name and kind, without the system's letter."""
+"""Formats of columns that differ from the default for name and kind, without system letter."""
 MOST_ROWS: Final = 5000
-"""Most rows of a table that are sent to the browser. More would slow down every change."""
+"""Maximum number of rows sent to the browser. More would slow down every change."""
 
 
 def heading(name: str) -> str:

@@ -1,8 +1,8 @@
 """Charts of the pages, and clicks in them.
 
-A Streamlit component around Plotly: Streamlit's own chart is drawn anew whenever its data change,
-which takes several times as long. Every figure can be saved as picture, drawing or table, and
-where points can be clicked, keys do it as well. All of that happens in the browser.
+This is a Streamlit component around Plotly. Streamlit's own chart is recreated whenever its data
+change, which takes several times as long. Every figure can be saved as picture, drawing or table,
+and clickable points also respond to keys. All of that happens in the browser.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ _COMPONENT = st.components.v2.component(
 )
 
 HEADING_PX: Final = 40
-"""Height of title and subtitle where neither wraps."""
+"""Height of title and subtitle if neither wraps."""
 
 
 @dataclass(frozen=True)
 class ReadyFigure:
-    """A figure as Plotly's JSON, its height in pixels, and the HTML of its heading."""
+    """Figure as Plotly's JSON, its height in pixels, and the HTML of its heading."""
 
     title: str
     subtitle: str
@@ -44,7 +44,7 @@ class ReadyFigure:
 
 @dataclass(frozen=True)
 class Clicked:
-    """A clicked point: its ``customdata`` and the number of its trace."""
+    """Clicked point: its ``customdata`` and the number of its trace."""
 
     value: Any
     curve: int
@@ -58,7 +58,7 @@ def draw_chart(
     is_clicked: bool = False,
     alt: str | None = None,
     time_axis: Literal["x", "y"] | None = None,
-    help: str | None = None,  # noqa: A002  # as Streamlit calls it
+    help: str | None = None,  # noqa: A002  # Streamlit's name
     of: str = "",
 ) -> None:
     """Draw a chart.
@@ -68,15 +68,15 @@ def draw_chart(
     on_click
         Called before the page's script when a point is clicked or released.
     is_clicked
-        Whether points can be clicked without `on_click`, too (`clicked_chart`).
+        Whether points can be clicked even without `on_click` (see `clicked_chart`).
     alt
-        Alternative text, else the heading.
+        Alternative text. None: the heading.
     time_axis
         Axis in seconds along which the browser marks the frame that the viewer shows.
     help
-        Text behind a question mark beside the heading, with links as `docs_link` writes them.
+        Text behind a question mark beside the heading, with links as from `docs_link`.
     of
-        Start of the subtitle: what the page shows, for those who see the figure alone.
+        Start of the subtitle: content of the page, for those who see the figure alone.
     """
     ready = figure if isinstance(figure, ReadyFigure) else _ready(figure)
     subtitle = ready.subtitle
@@ -84,7 +84,7 @@ def draw_chart(
         subtitle = "; ".join(filter(None, (of, subtitle)))
     _COMPONENT(
         key=key,
-        height=ready.height + (HEADING_PX if ready.title else 0),  # until its script has come
+        height=ready.height + (HEADING_PX if ready.title else 0),  # until its script has loaded
         data={
             "spec": ready.spec,
             "height": ready.height,
@@ -102,7 +102,7 @@ def draw_chart(
 def clicked_chart(figure: go.Figure | ReadyFigure, key: str, **more: Any) -> Any:
     """Draw a chart and return ``customdata`` of a point clicked since the last call, or None.
 
-    `more` as of `draw_chart`.
+    Options in `more` are those of `draw_chart`.
     """
     draw_chart(figure, key, is_clicked=True, **more)
     return take_click(key)
@@ -111,7 +111,7 @@ def clicked_chart(figure: go.Figure | ReadyFigure, key: str, **more: Any) -> Any
 def kept_figure(
     kind: str, key: Hashable, make: Callable[[], go.Figure], *, most: int = 1
 ) -> ReadyFigure:
-    """Return a figure ready to be drawn, made anew when `key` changes (see `state.cached`)."""
+    """Return a figure ready to draw, recreated when `key` changes (see `state.cached`)."""
     return state.cached(kind, key, lambda: _ready(make()), most=most)
 
 

@@ -1,7 +1,7 @@
-"""Tables of rows: accessible HTML, of which only the rows in sight are elements.
+"""Tables as accessible HTML in which only the visible rows are elements.
 
-A Streamlit component. Headings sort in the browser, or ask the page to; where a table can be
-clicked, Python is told the row and the column. Tables of measures are `ui.widgets.html`.
+This is a Streamlit component. Headings sort in the browser, or ask the page to sort. In clickable
+tables, Python receives the row and the column. For tables of measures see `ui.widgets.html`.
 """
 
 from __future__ import annotations
@@ -33,20 +33,20 @@ _COMPONENT = st.components.v2.component(
 
 @dataclass(frozen=True)
 class TableColumn:
-    """How a column of a table looks.
+    """Appearance of a table column.
 
     Attributes
     ----------
     label
-        Its heading.
+        Heading.
     help
-        What it holds, shown when the mouse is over the heading.
+        Description, shown while the mouse is over the heading.
     form
-        Format of its numbers: ``.2f``, ``+.2f``, ``.0%``, ``d``, ``.4g``; empty: as they are.
+        Number format: ``.2f``, ``+.2f``, ``.0%``, ``d``, ``.4g``. Empty: unchanged.
     is_head
-        Whether it names the row: it stays in sight when the table is pushed sideways.
+        Whether it names the row, and stays visible during horizontal scrolling.
     is_number
-        Whether it stands to the right though its values are texts.
+        Whether text values are right-aligned like numbers.
     """
 
     label: str
@@ -58,7 +58,7 @@ class TableColumn:
 
 @dataclass(frozen=True)
 class SortedBy:
-    """The column by which the page has sorted the rows."""
+    """Column by which the page has sorted the rows."""
 
     column: str
     is_descending: bool
@@ -78,34 +78,34 @@ def draw_table(
     is_sortable: bool = True,
     most_lines: int = MOST_LINES,
 ) -> None:
-    """Draw the rows of `table`, at most `most_lines` of them in sight.
+    """Draw the rows of `table`, at most `most_lines` of them visible at a time.
 
     Parameters
     ----------
     table : DataFrame
-        Any number of rows; undefined values are shown as "–".
+        Any number of rows. Undefined values are shown as "–".
     columns
-        The columns that are shown, in this order.
+        Columns to show, in this order.
     key
         Streamlit's key.
     name
-        What the table holds, for those who cannot see it.
+        Description of the table for screen readers.
     on_click
-        Called before the next run with the clicked row's place in `table` and the column's name,
-        unless other rows are there by then.
+        Called before the next run with the position of the clicked row in `table` and the column's
+        name, unless the rows have changed by then.
     clicks : {"row", "cell"}
-        Whether a click means a row or a cell.
+        Whether a click selects a row or a cell.
     selected
-        Place of the row that is marked and brought into sight; None: none.
+        Position of the row to mark and scroll to. None: no row.
     sorted_by, on_sort
-        The order in which the page gives the rows, and what is called with the column whose
-        heading was clicked. None: headings sort the rows in the browser.
+        Current order of the rows, and a callback for the column of a clicked heading. None:
+        headings sort the rows in the browser.
     is_sortable
         Whether headings sort at all.
     """
     shown = {column: table[column] for column in columns}
     listed = [_values(values) for values in shown.values()]
-    version = 0  # of no use without clicks
+    version = 0  # not needed without clicks
     if on_click is not None or on_sort is not None:
         version = zlib.crc32(repr(listed).encode())
     _COMPONENT(
@@ -139,12 +139,12 @@ def draw_table(
 
 
 def own_headings(table: pd.DataFrame) -> dict[str, TableColumn]:
-    """All columns under their own names; the first names the row."""
+    """Return all columns under their own names. The first one names the row."""
     return {str(name): TableColumn(str(name), is_head=not i) for i, name in enumerate(table)}
 
 
 def _values(values: pd.Series) -> list[Any]:
-    """The values, which JSON can hold: None for NaN, a text for what is infinite."""
+    """Return JSON-compatible values: None for NaN, text for infinity."""
     known: list[Any] = values.astype(object).where(values.notna(), None).tolist()
     return [INFINITE.get(value, value) for value in known] if is_float_dtype(values) else known
 
@@ -157,7 +157,7 @@ def _tell(
     on_click: Callable[[int, str], None] | None,
     on_sort: Callable[[str], None] | None,
 ) -> None:
-    """Pass on what was clicked, if a browser can have meant it."""
+    """Pass on a click, unless its message is malformed."""
     clicked = store.sent(key, "clicked")
     if not isinstance(clicked, Mapping) or clicked.get("version") != version:
         return

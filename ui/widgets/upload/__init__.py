@@ -1,7 +1,7 @@
-"""Sends pictures and videos to the session's folder, with progress, past Streamlit's memory.
+"""Upload of pictures and videos to the session's folder, with progress, bypassing Streamlit.
 
-A Streamlit component: a field to drop files on or choose them with. Each file goes by PUT to the
-upload route; when all have arrived, Python looks for them in the session's folder.
+This is a Streamlit component: a field to drop or choose files. Each file goes by PUT to the upload
+route. When all have arrived, Python looks for them in the session's folder.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ui.widgets.script import read_script
 
 FOLDER = Path(__file__).parent
 MOST_LISTED = 6
-"""Refused files that are listed."""
+"""Maximum number of rejected files to list."""
 
 _COMPONENT = st.components.v2.component(
     "nvcore_upload",
@@ -27,9 +27,9 @@ _COMPONENT = st.components.v2.component(
 
 
 def upload_pictures(space: Workspace, *, key: str) -> list[str]:
-    """Draw the field; the run starts again when files have arrived in ``space.stored``.
+    """Draw the upload field. A new run starts when files have arrived in ``space.stored``.
 
-    Returns which of the files last chosen were refused, and why: one text each, not yet plain.
+    Return a text for each of the last chosen files that was rejected, not escaped.
     """
     state = _COMPONENT(
         data={

@@ -1,4 +1,4 @@
-"""Small forms of a recording's arrays for the browser: runs, spans, minima per bucket, base64."""
+"""Compact encodings of a recording's arrays for the browser: runs, spans, minima, base64."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from nvcore.metrics.cost_map import CostMap
 from nvcore.objects import PEDESTRIAN, Objects
 
 MOST_BUCKETS = 2000
-"""Points of a trace at most; the strip is not wider than this on any screen."""
+"""Maximum number of points of a trace. The strip is not wider than this on any screen."""
 
 TIME_TOLERANCE_S = 1e-6
 
 
 def pack(values: Any, dtype: str) -> str:
-    """The values as little-endian binary numbers in base64."""
+    """Encode values as little-endian binary numbers in base64."""
     return base64.b64encode(np.ascontiguousarray(values, dtype=f"<{dtype}").tobytes()).decode()
 
 
 def find_runs(frames: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Frame numbers as runs of a constant step.
+    """Split frame numbers into runs of a constant step.
 
     Parameters
     ----------
@@ -32,14 +32,14 @@ def find_runs(frames: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     Returns
     -------
     starts, firsts, steps : arrays, shape (runs,)
-        Row where a run begins, its first frame number, and the step to the next one.
+        First row of each run, its frame number, and the step to the next frame.
     """
     frames = np.asarray(frames)
     if len(frames) == 0:
         empty = np.empty(0, dtype=np.int64)
         return empty, empty, empty
     steps = np.diff(frames)
-    # a run begins at the first row and after every step that differs from the one before
+    # a run starts at the first row, and after every step that differs from the previous one
     bends = np.flatnonzero(steps[1:] != steps[:-1]) + 1
     starts = np.concatenate(([0], bends)).astype(np.int64)
     step_at = np.append(steps, 1)
@@ -47,20 +47,20 @@ def find_runs(frames: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def find_spans(mask: np.ndarray) -> np.ndarray:
-    """Rows where the mask holds, as (start, stop) pairs; shape (spans, 2)."""
+    """Return the rows where the mask is True as (start, stop) pairs, shape (spans, 2)."""
     edges = np.diff(np.concatenate(([0], np.asarray(mask, dtype=np.int8), [0])))
     return np.column_stack((np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)))
 
 
 def decimate_minima(similarity: np.ndarray, n_rows: int) -> tuple[np.ndarray, int]:
-    """The lowest similarity of each bucket of rows, and the rows of a bucket.
+    """Return the lowest similarity of each bucket of rows, and the number of rows per bucket.
 
-    The minimum, so that a short dip is never lost. A bucket without any defined value is NaN.
+    The minimum keeps short dips visible. A bucket without any defined value is NaN.
 
     Parameters
     ----------
     similarity : array of float, shape (n_rows,)
-        Similarity of one system per row, 0..1; NaN where undefined.
+        Similarity of one system per row, 0..1, NaN if undefined.
     n_rows : int
         Rows of the recording.
     """
@@ -72,7 +72,7 @@ def decimate_minima(similarity: np.ndarray, n_rows: int) -> tuple[np.ndarray, in
 
 
 def pack_frames(frames: np.ndarray) -> dict[str, str]:
-    """Frame numbers for the browser: one run where they are regular."""
+    """Encode frame numbers for the browser, as one run if they are regular."""
     starts, firsts, steps = find_runs(frames)
     return {
         "starts": pack(starts, "i4"),
@@ -82,7 +82,7 @@ def pack_frames(frames: np.ndarray) -> dict[str, str]:
 
 
 def pack_times(times_s: np.ndarray, frames: np.ndarray, fps: float) -> dict[str, Any]:
-    """Times for the browser: only their offset where they follow from frame number and rate."""
+    """Encode times for the browser, as an offset only if they follow from frame number and rate."""
     times_s = np.asarray(times_s, dtype=np.float64)
     if len(times_s) and fps > 0:
         offsets = times_s - np.asarray(frames) / fps
@@ -92,6 +92,6 @@ def pack_times(times_s: np.ndarray, frames: np.ndarray, fps: float) -> dict[str,
 
 
 def pack_cost(cost: CostMap, objects: Objects = PEDESTRIAN) -> dict[str, str]:
-    """A cost map for the browser, which multiplies weight and border and interpolates."""
+    """Encode a cost map for the browser, which multiplies weight and border and interpolates."""
     text = objects.say(cost.text)
     return {"k": pack(cost.k, "f4"), "border": pack(cost.border, "f4"), "text": text}
