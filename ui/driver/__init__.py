@@ -1,6 +1,7 @@
-"""The pages Driver and Study, and what they add to the dashboard.
+"""Pages Driver and Study, and their additions to the dashboard.
 
-`ui.driver.confined` is loaded in processes that must not load Streamlit: nor does this file.
+`ui.driver.confined` is imported by processes that must not load Streamlit, so neither does this
+file.
 """
 
 from typing import Final
@@ -39,7 +40,7 @@ DOCUMENTS: Final = (
     Document("study", "Study", after="ratings"),
 )
 PRELOADED: Final = ("ui.driver.confined",)
-"""It takes half a second."""
+"""Modules to import in advance, which takes half a second."""
 SIGHT: Final = "known:SIGHT"
 MADE_FILES: Final = "known:made_files"
 ASIDE: Final = "run:ASIDE"

@@ -1,4 +1,4 @@
-"""Driver page: data behind an estimate, and conditions that its model does not know."""
+"""Driver page: data behind an estimate, and conditions unknown to its model."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from nvcore.driver.run import RecordingFeatures
 from nvcore.wording import listed
 
 MOST_DIGITS: Final = 6
-"""After the point, where fewer would not tell a feature from the end of the range."""
+"""Maximum number of decimals to tell a feature from the end of the range."""
 NO_BREAK: Final = "\N{NO-BREAK SPACE}"
 NO_VALUE: Final = (
     "neither the ground truth nor the estimates of the session have a value. *Estimate*, above, "
@@ -39,11 +39,11 @@ def why_unknown(
     Parameters
     ----------
     part
-        What the run has of the pedestrian's recording; None: nothing.
+        Results of the run for the pedestrian's recording. None: there are none.
     features
-        Of the pedestrian, frame by frame; None: not known.
+        Features of the pedestrian, frame by frame. None: unknown.
     has_run
-        Whether a run of this session made the estimates, of this recording or of others.
+        Whether a run of this session made estimates, for this recording or others.
     """
     if part is None or features is None:
         return NOT_RUN if has_run and part is None else NO_VALUE
@@ -58,7 +58,7 @@ def period_words(run: EstimateRun, period_s: float) -> str:
     Parameters
     ----------
     period_s
-        Seconds since the change at the end of the frame; NaN: none is known.
+        Seconds since the change at the end of the frame. NaN: no known change.
     """
     rows = run.estimator.regression_rows(period_s, interpolate=run.is_interpolated)
     return f"{listed([f'{run.estimator.periods_s[row]:g}' for row in rows])}{NO_BREAK}s"
@@ -75,9 +75,9 @@ def outside_words(run: EstimateRun, features: pd.Series, period_s: float) -> lis
     Parameters
     ----------
     features
-        Of the pedestrian on the frame, by their keys.
+        Features of the pedestrian in the frame, by key.
     period_s
-        As in `period_words`.
+        Same as in `period_words`.
     """
     values = features[list(FEATURE_KEYS)].to_numpy(np.float64)
     rows = run.estimator.regression_rows(period_s, interpolate=run.is_interpolated)

@@ -1,7 +1,7 @@
-"""Estimates of what the driver sees, in processes of their own.
+"""Estimates of what the driver sees, in separate processes.
 
-An estimator is a stranger's file. So may be the pictures, the readings of the light meter, and the
-recorded gaze.
+The estimator may be a file from a stranger. So may be the pictures, the readings of the light
+meter, and the recorded gaze.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from ui.widgets.text import plain
 T = TypeVar("T")
 
 RUN: Final = Allowance(memory_mb=3000, seconds=180.0)
-"""For a run; its time is from one picture to the next."""
+"""Limits of a run. The time counts from one picture to the next."""
 SMALL: Final = Allowance(memory_mb=1000, seconds=20.0)
-"""For the readings of a light meter."""
+"""Limits of reading a light meter's file."""
 SIMULATED: Final = {
     "no": "",
     "some": " Part of the subjects were simulated.",
@@ -43,7 +43,7 @@ SIMULATED: Final = {
 
 @dataclass(frozen=True)
 class EstimatorSpec:
-    """An estimator: the path of its file, and a `version` that changes with the content."""
+    """Path of an estimator's file, and a `version` that changes with its content."""
 
     path: Path
     version: str
@@ -52,19 +52,19 @@ class EstimatorSpec:
 def run_confined(
     dataset: Dataset, spec: EstimatorSpec, *, interpolate: bool, progress: Progress
 ) -> EstimateRun:
-    """Compute features and estimates of all pedestrians of recordings, in a process of its own.
+    """Compute features and estimates of all pedestrians of recordings, in a separate process.
 
     Parameters
     ----------
     dataset
-        With the session that it was loaded from as its settings.
+        Dataset with the session that it was loaded from as its settings.
     progress
-        As of `nvcore.driver.run.run_features`. If it raises CancelledError, the process ends.
+        Same as in `nvcore.driver.run.run_features`. If it raises CancelledError, the process ends.
 
     Raises
     ------
     InputError
-        As `run_features` and `read_estimator`; or if the run exceeds its allowance or stands still.
+        As for `run_features` and `read_estimator`, or if the run exceeds its limits or hangs.
     """
     boxes = dataset.boxes.iloc[: len(dataset.truth)]
     of_truth = replace(dataset, boxes=boxes, systems=(), provenance={}, findings=())
@@ -79,18 +79,18 @@ def run_confined(
 def clock_by_meter(
     path: Path, frame: NDArray[np.int64], fps: float, settings: LightSettings
 ) -> AdaptationClock:
-    """Return light and adaptation in the frames of a recording, from the file of a light meter.
+    """Return light and adaptation in the frames of a recording, from a light meter's file.
 
     Raises
     ------
     InputError
-        If the file cannot be used, or exceeds its allowance.
+        If the file cannot be used, or reading it exceeds the limits.
     """
     what = "reading the light meter"
     return call(_clock, path, frame, fps, settings, allowance=SMALL, what=what)
 
 
-# The rest is called in the other process.
+# The functions below run in the other process.
 
 
 def _estimate(
@@ -108,7 +108,7 @@ def _estimator(spec: EstimatorSpec) -> Estimator:
 
 
 def on_estimator(spec: EstimatorSpec, function: Callable[[Estimator], T]) -> T:
-    """Call a function of an estimator."""
+    """Call a function with an estimator."""
     return function(_estimator(spec))
 
 

@@ -71,7 +71,9 @@ def first_shown(course: pd.DataFrame) -> int:
 @st.fragment
 def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
     """Draw the parts of the page that follow the current frame. A click in one moves all."""
-    if chosen_encounter(result) != store.DRIVER_SHOWN.get()[1]:  # another was chosen in the picture
+    if (
+        chosen_encounter(result) != store.DRIVER_SHOWN.get()[1]
+    ):  # another one was selected in the picture
         st.rerun()
     settled = compared_viewer.settled(KEY)
     if settled != state.row():
@@ -117,7 +119,7 @@ def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
 
 
 def _look() -> Look:
-    """Return the chosen look of the viewer, with visible light in place of the default picture."""
+    """Return the selected look of the viewer, with visible light instead of the default picture."""
     chosen = look()
     return chosen._replace(picture="visible") if chosen.picture == "own" else chosen
 

@@ -25,7 +25,7 @@ CHOICES: Final = {
     "open": "open, seen or not",
     "unknown": SIGHT_WORDS["unknown"],
 }
-"""What can be chosen: open ones are taken out of the first two."""
+"""Choices of the filter. Open encounters are excluded from the first two."""
 HELP: Final = (
     f"*{CHOICES['sees']}*: the driver sees the {{one}} unaided.",
     f"*{CHOICES['unseen']}*: the driver does not see the {{one}} unaided.",
@@ -43,7 +43,7 @@ FILTER: Final = EncounterFilter(
     lambda result: driver_in(result).has_any,
 )
 COLUMNS: Final = ("driver_sees", "within_sd")
-"""What most people look for."""
+"""Main columns."""
 LOOKS: Final = {
     "detectability_sd": ColumnLook("SD"),
     "within_sd": ColumnLook("Open"),

@@ -1,4 +1,4 @@
-"""Driver page: which estimator of detectability, and what it is."""
+"""Driver page: choice and description of the detectability estimator."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def described(spec: EstimatorSpec) -> str:
     Raises
     ------
     NvcoreError
-        If the file is none that can be used.
+        If the file cannot be used.
     """
     space, what = state.workspace(), "opening the estimator"
     call = partial(space.model_process.call, on_estimator, spec, describe_estimator, what=what)
@@ -42,11 +42,11 @@ KIND: Final = ModelKind("estimator", (".npz",), MAX_BYTES, _check)
 
 
 def draw() -> EstimatorSpec | None:
-    """Draw the choice and return it. None: it cannot be used, and the page says why."""
+    """Draw the choice and return it, or draw the reason and return None if it cannot be used."""
     left, right = st.columns([3, 2], gap="large")
     with right, st.expander("An estimator of your own"):
         _draw_field()
-    options = _options()  # once more: the field may have taken one
+    options = _options()  # again, as the field may have accepted a file
     with left:
         key = st.selectbox(
             "Estimator",

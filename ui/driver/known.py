@@ -1,4 +1,4 @@
-"""What the session has estimated of the driver's view, and what is known of the light."""
+"""Estimates of the driver's view in this session, and the known light."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ ESTIMATES: Final = (
     "How that was estimated; both lie beside session.toml, which names them",
 )
 RUN: Final = "driver_estimates"
-"""What the workspace remembers of the run whose estimates were opened."""
+"""Workspace key of the run whose estimates were opened."""
 MOST_CLOCKS: Final = 50
 
 
 class OpenedRun(NamedTuple):
-    """A run whose estimates were opened.
+    """Run whose estimates were opened.
 
     Attributes
     ----------
     named
-        How the session names the file of the estimates.
+        Path of the estimates' file in the session.
     run
-        What came out.
+        Results of the run.
     spec
         The estimator, as a file that stays as long as the estimates.
     files
-        What was written for people: features, estimates and the record of how they were made.
+        Files for people: features, estimates and their record.
     """
 
     named: str
@@ -53,18 +53,18 @@ class OpenedRun(NamedTuple):
 
 
 def opened_run() -> OpenedRun | None:
-    """The run that the open session's estimates come from; None: they come from elsewhere."""
+    """Return the run behind the open session's estimates, or None if they come from elsewhere."""
     run: OpenedRun | None = state.workspace().notes.get(RUN)
     named = state.opened().session.driver.detectability
     return run if run is not None and run.named == named else None
 
 
 def features_of(recording: int) -> pd.DataFrame | None:
-    """Features of the pedestrians of a recording; None: not known.
+    """Return the features of a recording's pedestrians, or None if unknown.
 
     Returns
     -------
-    `FEATURE_COLUMNS`, and ``estimate``: detectability by the estimator, 0..1, NaN: it says none.
+    `FEATURE_COLUMNS`, and ``estimate``: estimated detectability, 0..1, NaN if there is none.
     """
     part, known = part_of(recording), opened_run()
     if part is None or known is None:
@@ -75,10 +75,10 @@ def features_of(recording: int) -> pd.DataFrame | None:
 
 
 def clock_of(recording: int) -> AdaptationClock | None:
-    """Light and adaptation in the frames of a recording; None: nothing is known of the light.
+    """Return light and adaptation in the frames of a recording, or None if the light is unknown.
 
-    By the run of this session, else by the recording's light meter, with the settings of
-    `recorded_light`, else our defaults.
+    The clock is that of this session's run, or else from the recording's light meter, with the
+    settings of `recorded_light` or our defaults.
     """
     part = part_of(recording)
     clock = _cached_by_meter(recording) if part is None else part.clock
@@ -86,7 +86,7 @@ def clock_of(recording: int) -> AdaptationClock | None:
 
 
 def made_files(session: Session, portable: Session) -> dict[str, MadeFile]:
-    """Files of the estimates that the app has made, by their names in the session to be written."""
+    """Return the estimate files made by the app, by their names in the session to be written."""
     if opened_run() is None:
         return {}
     files = zip(vars(session.driver).values(), vars(portable.driver).values(), strict=True)
@@ -98,7 +98,7 @@ def made_files(session: Session, portable: Session) -> dict[str, MadeFile]:
 
 
 def _add_light(recording: int, visible: VisiblePictures) -> VisiblePictures:
-    """Pictures of visible light with the changes of light that are known in the recording."""
+    """Add the known changes of light in the recording to its visible-light pictures."""
     clock = clock_of(recording)
     if clock is None:
         return visible
@@ -106,7 +106,7 @@ def _add_light(recording: int, visible: VisiblePictures) -> VisiblePictures:
 
 
 def _trouble(recording: int) -> str:
-    """Why the file of a recording's light meter cannot be used, without paths; empty: it can."""
+    """Return why the recording's light meter cannot be used, without paths, or "" if it can."""
     trouble = _cached_by_meter(recording) if part_of(recording) is None else None
     if not isinstance(trouble, str):
         return ""
@@ -114,37 +114,37 @@ def _trouble(recording: int) -> str:
 
 
 def caution_of(result: Result) -> str:
-    """Why the estimates are to be doubted, such as simulated subjects; empty: no reason."""
+    """Return why the estimates are doubtful, such as simulated subjects, or "" without a reason."""
     record = result.dataset.of("driver")
     return "" if record is None else record.caution
 
 
 def is_estimated(result: Result, recording: int) -> bool:
-    """Whether detectability in a recording is by an estimator whose name is known."""
+    """Whether the detectability in a recording comes from an estimator with a known name."""
     record, name = result.dataset.of("driver"), result.dataset.recordings["name"].iloc[recording]
     return record is not None and bool(record.made_by) and name in record.estimated_in
 
 
 def recorded_light() -> LightSettings | None:
-    """What counted as a change of light where the estimates were made; None: nobody says it."""
+    """Return the criteria for a change of light behind the estimates, or None if unknown."""
     record = state.opened().dataset.of("driver")
     if record is None or not record.light:
         return None
     try:
         return decode(LightSettings, record.light, "settings of the light", complete=True)
-    except ValueError:  # of another version, or by hand: as if it said nothing
+    except ValueError:  # of another version, or edited by hand: treated as unknown
         return None
 
 
 def may_be_another_clock(recording: int) -> bool:
-    """Whether estimates may rest on another clock than `clock_of` shows beside them."""
+    """Whether estimates may rest on another clock than `clock_of` shows."""
     dataset = state.opened().dataset
     is_of_file = dataset.of("driver") is not None and part_of(recording) is None
     return is_of_file and recorded_light() is None and clock_of(recording) is not None
 
 
 def part_of(recording: int) -> RecordingFeatures | None:
-    """What the opened run has of a recording; None: it was not among those that were estimated."""
+    """Return the opened run's results for a recording, or None if it was not estimated."""
     known = opened_run()
     if known is None:
         return None
@@ -159,7 +159,7 @@ def _cached_by_meter(recording: int) -> AdaptationClock | str | None:
 
 
 def _by_meter(recording: int) -> AdaptationClock | str | None:
-    """By the light meter; why its file cannot be used; None: there is none."""
+    """Return the clock from the light meter, or why its file is unusable, or None without one."""
     session, names = state.opened().session, state.recording_names()
     path = recording_entry(session, names, names[recording]).light
     if path is None:

@@ -1,4 +1,4 @@
-"""Driver page: the encounters with what is known of the driver."""
+"""Driver page: list of encounters with what is known of the driver."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ DETECTED_BY: Final = {
     Category.NEITHER: "neither detects",
     Category.DISTANT: "distant",
 }
-"""Who detects those of whom it is not known whether the driver sees them."""
+"""Words for the encounters for which it is unknown whether the driver sees them."""
 
 
 def draw(result: Result, region: DriverRegion | None) -> int | None:
-    """The least detectable first; the encounter that is chosen, else the first; None: no row."""
+    """Draw the list, least detectable first. Return the selected or first encounter, or None."""
     table = encounters_table(result)
     is_shown = table["driver_region"] != DriverRegion.DISTANT
     if region is not None:
@@ -71,7 +71,7 @@ def draw(result: Result, region: DriverRegion | None) -> int | None:
 
 
 def _why_not_listed(result: Result, encounter: int, region: DriverRegion | None) -> str:
-    """Why the list does not have the chosen encounter, in words."""
+    """Explain why the list lacks the selected encounter."""
     recording, _, track = name_of(result, encounter).rpartition(":")
     own = DriverRegion(driver_in(result).region[encounter])
     if own == DriverRegion.DISTANT:

@@ -50,20 +50,20 @@ def draw(
     Parameters
     ----------
     course
-        Of `nvcore.driver.comparison.encounters.detectability_course`.
+        Table from `nvcore.driver.comparison.encounters.detectability_course`.
     features, simulated
-        Rows as of the course; None: not known, nothing is simulated. Of features with
-        ``estimate``, NaN where the run has none.
+        Rows as in the course. None: unknown, or nothing is simulated. `features` include
+        ``estimate``, NaN if the run has none.
     clock
-        Of the recording; None: nothing is known of the light.
+        Clock of the recording. None: the light is unknown.
     caution
-        Why the estimates are to be doubted, in a few words; empty: no reason is known.
+        Doubts about the estimates, in a few words. Empty: none are known.
     run
-        What the estimates and features come from; None: from a file.
+        Run behind the estimates and features. None: they come from a file.
     is_estimated
-        Whether an estimator of ours gave the detectability.
+        Whether an estimator of nvcore gave the detectability.
     has_run
-        Whether a run of this session made the estimates, of this recording or of others.
+        Whether a run of this session made estimates, for this recording or others.
     """
     row = state.row_in_all()
     frames = state.opened().dataset.frames
@@ -117,7 +117,7 @@ def _by(run: EstimateRun | None, part: pd.Series | None) -> str:
 def _draw_outside(
     estimate: pd.Series, own: pd.Series | None, would: pd.Series | None, run: EstimateRun | None
 ) -> None:
-    """Draw a warning for estimates from features outside of the training range, and name these."""
+    """Draw a warning that names the features outside of the training range, if there are any."""
     parts = {"Detectability": estimate} | ({} if would is None else {"After the change": would})
     for name, part in parts.items():
         if not part["is_outside"]:
@@ -134,7 +134,7 @@ def _draw_outside(
 def _has_no_period(own: pd.Series | None, clock: AdaptationClock | None) -> bool:
     """Whether no change of light is known before the frame.
 
-    The run tells, or without a run the clock.
+    This comes from the run, or without a run from the clock.
     """
     if own is not None:
         return bool(np.isnan(own["period_s"]))

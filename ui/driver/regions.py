@@ -22,7 +22,7 @@ from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.text import docs_link
 
 USEFUL: Final = (DriverRegion.X, DriverRegion.Y)
-"""Where one of the systems is worth most: their meaning is told unless another is chosen."""
+"""Regions in which one system is worth most. They are explained unless another is selected."""
 COLUMNS: Final = {
     "who": TableColumn("Seen by", is_head=True),
     "encounters": TableColumn("Encounters"),

@@ -63,7 +63,7 @@ _TROUBLE: Final = "driver_trouble"
 def draw(*, is_known: bool) -> None:
     """Draw the choice of estimator and recordings, and the run.
 
-    It is folded away if estimates are known, unless it is at work.
+    The form is folded if estimates are known, unless the run is in progress.
     """
     if not is_known:
         st.header(TITLE)
@@ -104,7 +104,7 @@ def _draw_form() -> None:
 
 
 def _choose_recordings() -> tuple[str, ...]:
-    """Ask for recordings with pictures. Those with pictures of visible light are chosen first."""
+    """Ask for recordings with pictures. Those with visible-light pictures are preselected."""
     space, names = state.workspace(), state.recording_names()
     visible = [names[number] for number in sorted(space.visible.sources)]
     with_pictures = {*space.visible.sources, *space.pictures.sources}
@@ -143,12 +143,12 @@ def lost_words(estimate: EstimateRecord | None, names: Sequence[str], chosen: Se
 
 
 def _start(spec: EstimatorSpec, names: Sequence[str], *, interpolate: bool) -> None:
-    """Start a run with a copy of the estimator: another may be sent meanwhile.
+    """Start a run with a copy of the estimator, as another one may be uploaded meanwhile.
 
     Raises
     ------
     NvcoreError
-        If the file is gone, or there is no room.
+        If the file is gone, or there is no space left.
     """
     space, dataset = state.workspace(), dataset_of(names)
     folder = RUN.new_folder()
@@ -208,12 +208,12 @@ def draw_commands() -> None:
 def draw_aside(page: str) -> None:
     """Draw progress or outcome of an estimate in the sidebar of a page, and the way to Driver.
 
-    Driver itself shows all of that. The news stays on the page where it came.
+    Driver itself shows all of that. The news stays on the page where it first appeared.
     """
     job, trouble, news = RUN.job, _trouble(), _news_on(page)
     if page == PAGE:
         return
-    if news:  # no toast: screen readers have no name for those
+    if news:  # no toast, as toasts have no accessible name
         st.success(news, icon=":material/visibility:")
     elif trouble and job is None:
         text = state.say("{What} the driver sees was estimated, but cannot be taken over: ")
@@ -230,7 +230,7 @@ def draw_aside(page: str) -> None:
 
 
 def _news_on(page: str) -> str:
-    """Return the news of estimates that were taken over, for the page that showed it first."""
+    """Return the news of opened estimates, for the page that showed it first."""
     notes = state.workspace().notes
     text, where = notes.get(_NEWS, ("", None))
     if where not in (None, page) or page == PAGE:
@@ -242,19 +242,19 @@ def _news_on(page: str) -> str:
 
 
 def _trouble() -> str:
-    """Return why the estimates of what is open could not be taken over, or ""."""
+    """Return why the estimates for the open data could not be opened, or ""."""
     space = state.workspace()
     n_opened, text = space.notes.get(_TROUBLE, (0, ""))
     return str(text) if n_opened == space.n_opened else ""
 
 
 def _is_waiting(job: BackgroundJob[WrittenEstimates]) -> bool:
-    """Return whether estimates wait for other work of the session, which they would end."""
+    """Return whether estimates wait for other work of the session, which opening them would end."""
     return job.state is JobState.DONE and state.workspace().is_busy
 
 
 def _is_ready(job: BackgroundJob[WrittenEstimates]) -> bool:
-    """Return whether the run has ended and its output, if any, may be taken over."""
+    """Return whether the run has ended and its output, if any, may be opened."""
     return not job.is_busy and not _is_waiting(job)
 
 
@@ -284,7 +284,7 @@ def take_over() -> None:
     except NvcoreError as error:
         space.notes[_TROUBLE] = space.n_opened, shown_error(error)
         RUN.drop()
-        st.rerun()  # the sidebar of this run is drawn
+        st.rerun()  # the sidebar of this run is complete
 
 
 def with_estimates(session: Session, written: WrittenEstimates) -> Session:

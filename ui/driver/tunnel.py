@@ -37,7 +37,7 @@ def draw(
     Parameters
     ----------
     features
-        Rows as of the course; None: not known.
+        Rows as in the course. None: unknown.
     is_estimated
         Whether the estimator gave the detectability that the simulation is compared with.
     """

@@ -1,1 +1,1 @@
-"""The Study page: would a driver have seen this pedestrian? Asked of people, in the browser."""
+"""Study page: ask people in the browser whether they would have seen a pedestrian."""

@@ -12,9 +12,9 @@ from ui.session import state
 
 SAMPLE: Final = "sample"
 LOCAL: Final = "local:"
-"""Start of the name of a folder below the one that the app was started with."""
+"""Prefix for names of folders below the app's local folder."""
 DEEPEST: Final = 3
-"""Depth below that folder to which folders are searched."""
+"""Maximum depth of searched folders below that folder."""
 MOST_FOLDERS: Final = 500
 """Maximum number of folders that are searched."""
 
@@ -25,12 +25,12 @@ def sample_folder() -> Path:
 
 
 def folders() -> dict[str, str]:
-    """Return folders whose pictures a study may show: label by name in the file of answers.
+    """Return folders with pictures for a study: label by name in the file of answers.
 
     Raises
     ------
     InputError
-        If the folder that the app was started with cannot be used.
+        If the app's local folder cannot be used.
     """
     names: dict[str, str] = {}
     if (sample_folder() / BOXES_FILE).is_file():
@@ -38,7 +38,7 @@ def folders() -> dict[str, str]:
     root = local_root()
     if root is not None:
         for path, files in root.walk(MOST_FOLDERS):
-            if path.count("/") >= DEEPEST:  # as are all that follow
+            if path.count("/") >= DEEPEST:  # all that follow are at least as deep
                 break
             if f"{path}/{BOXES_FILE}".lstrip("/") in files:
                 names[f"{LOCAL}{path}"] = path or "(top folder)"
@@ -51,7 +51,7 @@ def folder_of(name: str) -> Path:
     Raises
     ------
     InputError
-        If they are not there, or below no folder that the app was started with.
+        If the folder does not exist, or is not below the app's local folder.
     """
     if name == SAMPLE:
         return sample_folder()

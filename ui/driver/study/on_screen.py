@@ -15,7 +15,7 @@ from nvcore.errors import InputError
 from nvcore.pictures.stretch import png
 
 PRACTICE: Final = "practice-"
-"""Start of the names of pictures for practice."""
+"""Prefix for names of practice pictures."""
 POINTERS: Final = ("touch", "pen", "mouse", "keyboard")
 MOST_BYTES: Final = 2000
 """Maximum size of an answer."""
@@ -24,7 +24,7 @@ View = Literal["full", "coarse"]
 
 @dataclass(frozen=True)
 class OnScreen:
-    """Study that one of its participants has on the screen, which `screen` describes in words."""
+    """Study on a participant's screen, which `screen` describes in words."""
 
     store: DetectabilityStore
     study: DetectabilityStudy
@@ -34,7 +34,7 @@ class OnScreen:
     page: ClassVar[str] = "study"
 
     def picture(self, name: str, view: View) -> bytes:
-        """Return a picture, by its index or of the practice, as PNG."""
+        """Return a picture, by its index or from the practice, as PNG."""
         is_practice = name.startswith(PRACTICE)
         index = name.removeprefix(PRACTICE)
         known = FIGURES if is_practice else self.study.pictures
@@ -49,13 +49,13 @@ class OnScreen:
 
     @property
     def whose(self) -> str:
-        """Owner of this participant's answers: the browser may still hold those of others."""
+        """Owner of this participant's answers. The browser may still hold those of others."""
         return f"{self.study.token} {self.name}"
 
     def keep(self, place: int, kind: str, content: bytes) -> bool:
-        """Keep an answer, or the report that a picture appears, as the browser sends it.
+        """Store an answer, or the report that a picture appeared, as sent by the browser.
 
-        Returns False, and keeps nothing, if it belongs to another participant.
+        Return False, and store nothing, if it belongs to another participant.
         """
         sent = sent_by_browser(content)
         if sent.get("whose", self.whose) != self.whose:
@@ -70,7 +70,7 @@ class OnScreen:
 
 
 def sent_by_browser(content: bytes) -> Mapping[str, Any]:
-    """Return the fields that a browser sends, with numbers as floats."""
+    """Parse the fields that a browser sends, with numbers as floats."""
     try:
         sent = json.loads(content, parse_int=float)
     except (ValueError, RecursionError) as error:

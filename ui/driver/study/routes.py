@@ -47,7 +47,7 @@ async def study_picture(request: Request, space: Workspace | None) -> Response:
 
 @for_owner(sent="answers")
 async def study_answer(request: Request, space: Workspace | None) -> Response:
-    """Keep the report that a picture appears, or its answer. Success means that it is on disk."""
+    """Store the report that a picture appeared, or its answer. Success means that it is on disk."""
     screen: OnScreen | None = None if space is None else space.notes.get(ON_SCREEN)
     kind, place = request.path_params["kind"], index_in(request, "place")
     if screen is None or kind not in ("shown", "answer"):

@@ -1,4 +1,4 @@
-"""Form that begins a study, and how long the study takes."""
+"""Form that begins a study, with the study's duration."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ LIMITS: Final = (
     "road to show."
 )
 MOST_TIMES_TEXT: Final = 200
-"""Characters of the field for the times after the change of light."""
+"""Maximum length of the field for the times after the change of light, characters."""
 
 
 @errors_shown()
@@ -133,7 +133,7 @@ def _draw_settings() -> StudySettings:
             "Days until the study is deleted with all answers",
             questions="Own questions, one a line, after age, vision and driving licence",
         )
-    # last: what is refused would take all fields below it off the page, with what was entered
+    # last, because an error would remove all fields below it with their values
     return StudySettings(
         design=design,
         timing=Timing(adaptation_s=_times(times_text), **parts_s),
@@ -155,7 +155,7 @@ def _times(text: str) -> tuple[float, ...]:
 
 
 def _draw_length(pictures: tuple[StudyPicture, ...], settings: StudySettings) -> None:
-    """Draw how long it takes, and what the design costs."""
+    """Draw the duration and the cost of the design."""
     trials = plan_trials(len(pictures), 0, design=settings.design, timing=settings.timing)
     n_times = len(settings.timing.adaptation_s)
     n_runs = trials[-1].run
@@ -181,7 +181,7 @@ def _draw_length(pictures: tuple[StudyPicture, ...], settings: StudySettings) ->
 
 
 def length_text(seconds: float) -> str:
-    """Return a length of time in words.
+    """Return a duration in words.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Detectability studies on their page: see `ui.people.studies.Studies`."""
+"""Detectability studies on their page. See `ui.people.studies.Studies`."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class TouchStudies(Studies[DetectabilityStudy, DetectabilityStore]):
     back = "Back to the study"
 
     def introduce(self, study: DetectabilityStudy) -> None:
-        """Say how many pictures there are, and how long it takes."""
+        """Draw the number of pictures and the duration."""
         trials = study.plan(0)
         length = setup.length_text(duration_s(trials, study.settings.timing))
         st.markdown(
@@ -84,7 +84,7 @@ class TouchStudies(Studies[DetectabilityStudy, DetectabilityStore]):
             st.markdown(setup.LIMITS)
 
     def usual(self, study: DetectabilityStudy) -> Mapping[str, float | None]:
-        """Return screen and distance as the conductor measured them."""
+        """Return screen and distance as measured by the conductor."""
         return asdict(study.settings.facts)
 
     def draw_trial(
@@ -127,7 +127,7 @@ class TouchStudies(Studies[DetectabilityStudy, DetectabilityStore]):
         return True
 
     def draw_end(self, person: Person) -> None:
-        """Say that all is kept."""
+        """Draw a note that all answers are stored."""
         st.success(f"You have answered all {len(person.plan)} pictures, and your answers are kept.")
 
     def draw_setup(self) -> None:
@@ -154,7 +154,7 @@ class TouchStudies(Studies[DetectabilityStudy, DetectabilityStore]):
         )
 
     def progress(self, store: DetectabilityStore, study: DetectabilityStudy) -> Progress:
-        """Return how many trials everybody has answered, and how many are marked."""
+        """Return the number of answered and of marked trials of each participant."""
         people = participants_table(store, study)
         hint = (
             f"More than {1000 * LATE_S:g} ms early or late, shown for more or less than asked, "
@@ -178,7 +178,7 @@ class TouchStudies(Studies[DetectabilityStudy, DetectabilityStore]):
         return Progress(metrics, people, columns)
 
     def draw_results(self, store: DetectabilityStore, study: DetectabilityStudy) -> None:
-        """Say how the tables become an estimate."""
+        """Explain how the tables become an estimate."""
         del store, study
         with st.expander("From the answers to an estimate"):
             st.caption(

@@ -1,7 +1,7 @@
-"""Runs a run of a study in the browser, over the whole window.
+"""Full-window display of a study's run in the browser.
 
-A Streamlit component: it fetches the pictures of a run beforehand, shows everything by the clock of
-the animation, and sends each answer to the study's route as it is given. Python hears of the end,
+This is a Streamlit component. It fetches the pictures of a run in advance, shows everything by the
+animation clock, and sends each answer to the study's route at once. Python is notified of the end,
 and of a stop.
 
     clock.js     frames of the animation, and waiting for them
@@ -35,7 +35,7 @@ _COMPONENT = st.components.v2.component(
 
 
 class ScreenTrial(NamedTuple):
-    """Trial for the browser: its place (0: practice), its picture with size (px), and its time."""
+    """Trial for the browser: place (0: practice), picture with size (px), and time."""
 
     place: int
     picture: str
@@ -52,17 +52,17 @@ def draw_run(
     *,
     on_end: Callable[[str], None] = lambda _: None,
 ) -> None:
-    """Draw the button that begins a run, which then takes the whole window.
+    """Draw the button that starts a run, which then fills the window.
 
     Parameters
     ----------
     run
-        Name of the run; another one is another run.
+        Name of the run. A new name means a new run.
     title
-        What the button says.
+        Label of the button.
     on_end
-        Called with the name of a run that was seen to its end; after one that was stopped, or
-        when answers from before were kept, the page is only drawn again.
+        Called with the name of a run that was seen to its end. After a stop, or when earlier
+        answers were stored, the page is only redrawn.
     """
 
     def end() -> None:
