@@ -1,1 +1,1 @@
-"""The parts of the Detection page."""
+"""Parts of the Detection page."""

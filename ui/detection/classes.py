@@ -1,4 +1,4 @@
-"""Detection page: what was found, and what it was taken for."""
+"""Detection page: found objects and their predicted classes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ui.widgets.text import docs_link, plain
 
 
 def draw(result: Result) -> None:
-    """The classes that X and Y read, where the truth and either of them name any."""
+    """Draw the classes predicted by X and Y, if the truth and any of them name classes."""
     if not has_classes(result):
         return
     st.header("Classes")

@@ -1,4 +1,4 @@
-"""Detection page: the curves with the operating points, and the measures in a table."""
+"""Detection page: curves with operating points, and a table of measures."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ MOST_SCALES: Final = 200
 
 
 def draw(result: Result, protocol: Protocol) -> None:
-    """The curves of X and Y under a protocol, and their measures."""
+    """Draw the curves of X and Y under a protocol, and their measures."""
     curves = [_curve(result, system.name, protocol) for _, system in result.sides]
     thresholds = [system.threshold for _, system in result.sides]
     summaries = [*map(summarise_curve, curves, thresholds)]
@@ -107,7 +107,7 @@ def _draw_evidence(result: Result, remarks: list[str]) -> None:
         Remarks that the page shows already, which are not repeated here.
     """
     evidence = miss_rate_evidence(result)
-    if np.isnan(evidence.difference):  # the table above says why
+    if np.isnan(evidence.difference):  # the table above states the reason
         return
     words = "Difference of the log-average miss rates, X minus Y:"
     parts = [f"{words} {minus(f'{100 * evidence.difference:+.2f}')} pp"]
@@ -140,7 +140,7 @@ def _curve(result: Result, system: str, protocol: Protocol) -> DetectionCurve:
 
 
 def _windows(result: Result, protocol: Protocol) -> float | None:
-    """Windows per image: as given, or counted from the window's size, stride and scales."""
+    """Return windows per image, as given or computed from window size, stride and scales."""
     known, width, height, stride, scales, way = st.columns([1.3, 1, 1, 1, 1.6, 1.4])
     n_windows: int | None = known.number_input(
         "Windows per image",

@@ -1,4 +1,4 @@
-"""Detection page: which pedestrians and recordings count."""
+"""Detection page: selection of the pedestrians and recordings that count."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SIDES: Final = ("left", "top", "right", "bottom")
 
 
 def choose(dataset: Dataset) -> Protocol:
-    """The chosen protocol; below the fields, what its filters leave out."""
+    """Draw the choice of a protocol and what its filters exclude, and return the protocol."""
     start = _start()
     left, middle, right = st.columns([1, 1, 1], vertical_alignment="top")
     name = left.selectbox(
@@ -74,10 +74,10 @@ def choose(dataset: Dataset) -> Protocol:
 
 
 def _start() -> Protocol:
-    """The protocol that the open session began with.
+    """Return the protocol that the open session began with.
 
-    The fields show the one in use where they do not know it yet: after opening, and after a
-    reload, when a new browser session takes back a workspace with a choice made before.
+    The fields show the one in use if they have no value yet: after opening, and after a reload,
+    when a new browser session takes over a workspace with an earlier choice.
     """
     space = state.workspace()
     known: tuple[int, Protocol] | None = space.notes.get("protocol_start")
@@ -100,12 +100,12 @@ def _start() -> Protocol:
 
 
 def filtered(dataset: Dataset, protocol: Protocol) -> FilteredTruth:
-    """The ground truth under a protocol, kept while it is shown."""
+    """Return the ground truth under a protocol, cached while it is shown."""
     return state.cached("protocol_truth", protocol, lambda: filter_truth(dataset, protocol), most=2)
 
 
 def _start_own(before: Protocol) -> None:
-    """Let the fields of the own filters begin with those of another protocol."""
+    """Initialise the fields of the custom filters from another protocol."""
     margins = before.border_px or (None,) * 4
     store.set_widgets(
         own_low=before.height_px[0] or None,
@@ -125,7 +125,7 @@ def _limit(value: float) -> float | None:
 
 
 def _own_filters(dataset: Dataset) -> Protocol:
-    """The filters one by one; those in use where two of them contradict each other."""
+    """Draw the custom filters and return their protocol, or the current one if they conflict."""
     height = float(dataset.recordings["height"].max())
     first, second, third, fourth = st.columns(4)
     low = _number(first, "Lowest height (px)", "own_low", 0.0, step=5.0)
@@ -179,7 +179,7 @@ def _own_filters(dataset: Dataset) -> Protocol:
 
 
 def _margins(place: Any) -> tuple[float, float, float, float] | None:
-    """One margin for all sides, or four where the protocol before has different ones."""
+    """Draw fields for the margins: one for all sides, or four if the previous protocol has four."""
     help_text = "The whole box must lie so far inside the picture; with 0, up to its edge. Empty: "
     if not store.HAS_SIDES.get():
         margin = _number(
