@@ -1,1 +1,1 @@
-"""The parts of the Saliency page."""
+"""Parts of the Saliency page."""

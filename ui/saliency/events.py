@@ -1,4 +1,4 @@
-"""Saliency page: which recording is shown, and the table of events."""
+"""Saliency page: choice of the recording, and the table of events."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def open_asked() -> None:
 
 
 def choose_recording() -> int | None:
-    """The recording whose events are shown; None: all. Drawn only where there are several."""
+    """Draw the choice of a recording if there are several, and return it. None: all."""
     names = state.recording_names()
     if len(names) == 1:
         return None
@@ -38,7 +38,7 @@ def choose_recording() -> int | None:
     clicked_row = store.SALIENCY_RECORDING.pop()
     if clicked_row is not None:
         chosen.set(names[clicked_row])
-    if chosen.get() not in (None, *names):  # tags leave other recordings
+    if chosen.get() not in (None, *names):  # another choice of tags may exclude it
         chosen.set(None)
     name: str | None = st.selectbox(
         "Recording",
@@ -53,7 +53,7 @@ def choose_recording() -> int | None:
 
 
 def draw_table(result: Result, recording: int | None) -> None:
-    """All events, or a recording's, the most salient first; a click opens the first frame."""
+    """Draw events of one or all recordings, most salient first. A click opens the first frame."""
     letter = choose_side_by_side("Events of", [BOTH, "X", "Y"], "saliency_system", default=BOTH)
     events, first_row = _events(result, recording, None if letter == BOTH else letter.lower())
     if events.empty:
@@ -75,7 +75,7 @@ def draw_table(result: Result, recording: int | None) -> None:
 
 
 def _shown_columns(params: Params) -> list[str]:
-    """What makes up the number, from left to right; then the frames."""
+    """Return the columns that make up saliency, from left to right, then the frames."""
     weight = ["weight_s"] if params.saliency_weight == "risk" else []
     end = "rest_s" if params.recency_unit == "seconds" else "tau"
     made_of = ["duration_s", "relevant_s", *weight, end, "recency", "saliency_s"]
@@ -85,7 +85,7 @@ def _shown_columns(params: Params) -> list[str]:
 def _events(
     result: Result, recording: int | None, letter: str | None
 ) -> tuple[pd.DataFrame, list[int]]:
-    """Rows of events.csv that are shown, and the frame row where each begins."""
+    """Return the rows of events.csv to show, and the frame row at which each begins."""
     events = located_events(result)
     if recording is not None:
         events = events[events["recording_row"] == recording]

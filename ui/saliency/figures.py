@@ -1,4 +1,4 @@
-"""Saliency page: how saliency is composed, events on the recency curve, X against Y."""
+"""Saliency page: composition of saliency, events on the recency curve, X against Y."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ui.widgets.text import docs_link, plain
 
 
 def what_it_is(params: Params) -> str:
-    """Explain what saliency means with these settings."""
+    """Explain the meaning of saliency with these settings."""
     is_each, in_seconds = params.saliency_of == "each", params.recency_unit == "seconds"
     is_risk = params.saliency_weight == "risk"
     return state.say(
