@@ -1,1 +1,1 @@
-"""How the server was started: what it opens, and how much it lets visitors take."""
+"""Settings of the server: the session that it opens, and limits for visitors."""

@@ -1,4 +1,4 @@
-"""How much all visitors, and each of them, may take of the server; set by environment variables."""
+"""Limits on server resources, overall and per visitor, set by environment variables."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ MOST_UPLOADS_MB: Final = 2048
 
 @dataclass(frozen=True)
 class Limits:
-    """What a server allows.
+    """Limits of a server.
 
     Attributes
     ----------
     max_visitors
-        Browser tabs at a time.
+        Maximum number of simultaneous browser tabs.
     max_visitors_of_address
-        Those of one address of the network.
+        Maximum number of tabs per network address.
     max_upload_mb
-        Annotation files of one tab, MiB: they are held in memory until they are opened.
+        Annotation files of one tab, MiB. They are held in memory until they are opened.
     max_uploads_mb
-        Those of all tabs together, MiB; None: a third of the available memory, at most
+        Annotation files of all tabs, MiB. None: a third of the available memory, at most
         `MOST_UPLOADS_MB`.
     max_disk_mb
         Uploads of all tabs on disk, MiB.
     max_frames
-        Evaluated frames of what a tab has open.
+        Evaluated frames open in a tab.
     max_frames_of_all
-        Those of all tabs together.
+        Evaluated frames open in all tabs.
     reading_mb, reading_s
         Memory, MiB, and time for reading annotation files.
     """
@@ -52,12 +52,12 @@ class Limits:
     reading_s: int = 300
 
     def uploads_bytes(self, held: int, system: Path = Path("/")) -> int:
-        """Bytes of annotation files that all tabs may hold, of which `held` are in memory.
+        """Return how many bytes of annotation files all tabs may hold, given `held` in memory.
 
         Parameters
         ----------
         system
-            Root of the system whose memory counts, see `nvcore.memory.free_bytes`.
+            Root of the system whose memory counts; see `nvcore.memory.free_bytes`.
         """
         if self.max_uploads_mb is not None:
             return self.max_uploads_mb * MEBI
@@ -71,12 +71,12 @@ class Limits:
 
 @cache
 def limits_of_environment() -> Limits:
-    """The limits, read once; a variable such as ``NVCORE_MAX_VISITORS`` replaces a default.
+    """Return the limits, read once. Variables such as ``NVCORE_MAX_VISITORS`` replace defaults.
 
     Raises
     ------
     InputError
-        If a variable is no positive integer.
+        If a variable is not a positive integer.
     """
     values = {}
     for field in fields(Limits):

@@ -1,8 +1,8 @@
-"""What the app was started with: flags after ``--`` of ``streamlit run``, or the environment.
+"""Start options of the app: flags after ``--`` of ``streamlit run``, or the environment.
 
-``nvcore app night/session.toml`` gives ``--session night/session.toml``: what every visitor starts
-with, instead of the sample recordings. Whoever starts the app may name any file, and what the
-session names is opened wherever it lies: everybody who can open the app sees it.
+``nvcore app night/session.toml`` passes ``--session night/session.toml``, which every visitor
+starts with instead of the sample recordings. The person who starts the app may name any file, and
+files named by the session are opened wherever they are: everybody who can open the app sees them.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ SESSION_VARIABLE: Final = "NVCORE_SESSION"
 def start_file(
     arguments: Sequence[str] | None = None, environment: Mapping[str, str] | None = None
 ) -> Path | None:
-    """The session file that every visitor starts with; None: the sample."""
+    """Return the session file that every visitor starts with, or None for the sample."""
     path = argument(SESSION_FLAG, SESSION_VARIABLE, arguments, environment)
     return Path(path).absolute() if path else None
 
 
 def base_path() -> str:
-    """The path that the app is served below, as the start of an address; empty: none."""
+    """Return the base path of the app as the start of an address, or "" without one."""
     base = str(st.get_option("server.baseUrlPath") or "").strip("/")
     return f"/{base}" if base else ""
 
@@ -39,14 +39,14 @@ def argument(
     arguments: Sequence[str] | None = None,
     environment: Mapping[str, str] | None = None,
 ) -> str:
-    """Value of a flag, or of the environment where there is no flag; empty: neither is given.
+    """Return the value of a flag, or else of the environment, or "" if neither is given.
 
     Parameters
     ----------
     flag, variable
-        Their names: ``--local-root``, ``NVCORE_LOCAL_ROOT``.
+        Names such as ``--local-root`` and ``NVCORE_LOCAL_ROOT``.
     arguments, environment
-        None: those of the process.
+        Arguments and environment to search. None: those of the process.
 
     Examples
     --------
