@@ -1,1 +1,1 @@
-"""The documentation inside the dashboard."""
+"""Documentation inside the dashboard."""

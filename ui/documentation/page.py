@@ -36,7 +36,7 @@ _HEADING: Final = re.compile(r"(#{1,6}) +(.*)")
 _ASIDE: Final = re.compile(
     r"(?:\s*\(|[:,;] )\[(?:why|where|how|which)\b[^\]]*\]\((?!https?:)decisions/[^)\s]+\)(\))?"
 )
-"""A pointer to a decision, which the app has no page for: without its link it says nothing."""
+"""Pattern of a reference to a decision, which the app has no page for. It is removed."""
 _PICTURE: Final = re.compile(r"^!\[([^\]]*)\]\((images/[\w-]+\.png)\)$", re.MULTILINE)
 _LINK: Final = re.compile(r"(?<!!)\[((?:[^\]\[]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
 _CODE: Final = re.compile(r"(`+)(?:.*?[^`])?\1(?!`)", re.DOTALL)
@@ -48,9 +48,9 @@ _SIGHT: Final = st.components.v2.component(
 
 @dataclass(frozen=True)
 class DocsSection:
-    """A heading in Markdown (level 1: the page's title) and what follows it up to the next one.
+    """Markdown heading (level 1: the page's title) with the content up to the next heading.
 
-    The anchor is as other renderers of Markdown make it, so that links between the pages hold.
+    Anchors are the same as in other Markdown renderers, so that links between the pages work.
     """
 
     level: int
@@ -60,7 +60,7 @@ class DocsSection:
 
 
 def draw() -> None:
-    """The page that the address names, at the section that it names."""
+    """Draw the page and section that the address names."""
     st.title("Documentation")
     requested = st.query_params.get("doc")
     name = st.segmented_control(
@@ -84,23 +84,23 @@ def draw() -> None:
 
 
 def _draw_body(body: str) -> None:
-    """Markdown, with its pictures, which Markdown in the app would ask the server's root for."""
+    """Draw Markdown with pictures, which the app's Markdown would seek at the server's root."""
     text, *rest = _PICTURE.split(body)
     st.markdown(text)
     for words, path, following in zip(rest[::3], rest[1::3], rest[2::3], strict=True):
-        # with the page: after it was left there would be nothing to fetch
+        # drawn with the page, as nothing could be fetched after leaving it
         st.image(picture_address((FOLDER / path).read_bytes(), "png"), caption=words)
         st.markdown(following)
 
 
 @st.cache_data(show_spinner=False)
 def sections_of(name: str) -> list[DocsSection]:
-    """Sections of a page, with links as the app needs them."""
+    """Return the sections of a page, with links adapted to the app."""
     return split_sections((FOLDER / f"{name}.md").read_text(encoding="utf-8"), name)
 
 
 def split_sections(text: str, name: str) -> list[DocsSection]:
-    """A Markdown text cut at its headings; anchors of equal titles are numbered."""
+    """Split Markdown at its headings, numbering the anchors of equal titles."""
     sections: list[DocsSection] = []
     level, title = 1, ""
     lines: list[str] = []
@@ -129,7 +129,7 @@ def split_sections(text: str, name: str) -> list[DocsSection]:
 
 
 def anchor_of(title: str) -> str:
-    """Anchor of a heading as the usual renderers of Markdown make it.
+    """Return the anchor of a heading, as made by the usual Markdown renderers.
 
     Examples
     --------
@@ -142,7 +142,7 @@ def anchor_of(title: str) -> str:
 
 
 def in_app_links(text: str, name: str) -> str:
-    """The text with links to the app's own pages; links to other files become plain text.
+    """Return the text with links to the app's own pages. Links to other files become plain text.
 
     Examples
     --------
