@@ -1,1 +1,1 @@
-"""The parts of the Systems page."""
+"""Parts of the Systems page."""

@@ -1,4 +1,4 @@
-"""Systems page: the table of all pairs, computed in the background where that takes long."""
+"""Systems page: the table of all pairs, computed in the background if that takes long."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from ui.session import state
 
 RUN: Final = PageRun[pd.DataFrame]("matrix", "table", "Comparing every pair of systems")
 AT_ONCE: Final = 20_000
-"""Frames times pairs up to which the table is there within a second: it is drawn without asking."""
+"""Frames times pairs up to which the table takes less than a second and is drawn without asking."""
 COLUMNS: Final = ["name", "horizon", "context"]
-"""Of the recordings: what a visitor may change on the Data page without reading a file again."""
+"""Columns of the recordings that visitors may change on the Data page without another reading."""
 
 
 def draw(result: Result) -> pd.DataFrame | None:
@@ -33,7 +33,7 @@ def draw(result: Result) -> pd.DataFrame | None:
     thresholds = thresholds_in_use(dataset, result.params)
     recordings = dataset.recordings[COLUMNS].to_csv()
     key = (dataset.fingerprint, recordings, dataset.systems, params, tuple(thresholds.items()))
-    # outlasts another choice of X and Y, which forgets all that was computed of them
+    # survives a new choice of X and Y, which clears results of these
     notes = state.workspace().notes
     known_key, known = notes.get(RUN.name, (None, None))
     if known_key == key:

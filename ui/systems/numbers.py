@@ -1,4 +1,4 @@
-"""Systems page: the systems by themselves, and both measures of every pair."""
+"""Systems page: results of each system, and both measures for every pair."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from ui.widgets.text import plain
 
 HEAD: Final = ("First", "Second", "First − second", "95 % interval", "p", "p (Holm)")
 SETTING: Final = "thresholds"
-"""Heading of what marks pairs at unequal operating points, where there are any."""
+"""Heading of the mark for pairs at unequal operating points."""
 AS_SET_TEXT: Final = (
     " *as set*: at unequal operating points. Nothing is claimed from these values; p, and the "
     "sentence above, are about the pair at equal false alarms, as the Overview shows it."
@@ -36,7 +36,7 @@ AS_SET_TEXT: Final = (
 
 
 def draw(table: pd.DataFrame, systems: Sequence[str], shade: Shade) -> None:
-    """Each system, then each measure of the pairs, and the way to take the numbers along."""
+    """Draw the table of systems, then each measure of the pairs, and the download."""
     st.header("The numbers")
     head = [capitalised(title) for title in SYSTEM_HEAD]
     st.html(

@@ -1,4 +1,4 @@
-"""Systems page: every pair in words; a click opens it on the Overview."""
+"""Systems page: every pair in words, with a button that opens it on the Overview."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ BETWEEN: Final = " – "
 
 
 def draw_only_pair(result: Result) -> None:
-    """With two systems: that there is one pair, and the way to it."""
+    """Draw a note that two systems are a single pair, with a link to it."""
     st.info(
         f"There is one pair, {plain(result.x.name)} and {plain(result.y.name)}: the Overview "
         "compares it. With a third system, every pair is compared here."
@@ -29,7 +29,7 @@ def draw_only_pair(result: Result) -> None:
 
 
 def draw(table: pd.DataFrame) -> None:
-    """A line for each pair, with the button that opens it."""
+    """Draw a line for each pair, with the button that opens it."""
     st.header("Who is better in what")
     st.caption("A click opens the pair as X and Y on the Overview, with all details.")
     chosen = set(state.systems())
@@ -48,7 +48,7 @@ def draw(table: pd.DataFrame) -> None:
 
 
 def _open(x: str, y: str) -> None:
-    """Make these X and Y, unless they are already, and go to the Overview. For callbacks."""
+    """Make these systems X and Y, if necessary, and go to the Overview. For callbacks."""
     if {x, y} != set(state.systems()):
         systems.compare(x, y)
     ask_for_page("overview")
