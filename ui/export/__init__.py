@@ -1,1 +1,1 @@
-"""The parts of the Export page."""
+"""Parts of the Export page."""

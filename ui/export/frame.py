@@ -1,4 +1,4 @@
-"""Export page: which frame, and that frame as a picture."""
+"""Export page: choice of a frame, and that frame as a picture."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LAYERS: Final = {"truth": "Truth", "x": "X", "y": "Y"}
 
 
 def choose_frame(result: Result) -> bool:
-    """Recording and frame of everything below; whether there is a frame at all."""
+    """Draw the choice of recording and frame, and return whether there is a frame at all."""
     st.header("Frame as picture")
     if not len(result.dataset.frames):
         st.info("There is no evaluated frame. Check the frame list on the Data page.")
@@ -28,7 +28,7 @@ def choose_frame(result: Result) -> bool:
 
 @st.fragment
 def draw(result: Result) -> None:
-    """The current frame with its boxes, and its download."""
+    """Draw the current frame with its boxes, and its download."""
     recording, row = state.recording(), state.row_in_all()
     left, right = st.columns([3, 1])
     with right:
@@ -72,7 +72,7 @@ def draw(result: Result) -> None:
 
 
 def file_stem(name: str) -> str:
-    """A recording's name as part of a file name.
+    """Return a recording's name for use in a file name.
 
     Examples
     --------

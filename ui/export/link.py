@@ -1,4 +1,4 @@
-"""Export page: an address that opens the app as it is now."""
+"""Export page: an address that opens the app in its current state."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ui.widgets.text import plain
 PLACES: Final = {"timeline": "Timeline, at the current frame", "": "Overview"}
 PAGE: Final = "export"
 NO_STATE: Final = ("doc", "category")
-"""Entries of the address that are of no use on other pages."""
+"""Address entries that are useless on other pages."""
 
 COMPLETE: Final = "It opens {} with these parameters, for everybody who can open this app."
 SAMPLE: Final = "the sample recordings"
@@ -28,7 +28,7 @@ INCOMPLETE: Final = (
 
 
 def draw() -> None:
-    """The link, to be copied, and what it cannot do."""
+    """Draw the link to copy, and its limits."""
     st.header("Link")
     place = st.segmented_control(
         "The link opens",
@@ -41,7 +41,7 @@ def draw() -> None:
     params = state.link_to(state.recording(), state.row()) if place else dict(st.query_params)
     start = state.shared_start().opened
     name = SAMPLE if start.label == state.SAMPLE_LABEL else plain(start.label)
-    # corrections of the inputs are in no address
+    # no address holds corrections of the inputs
     is_complete = _inputs(state.opened().session) == _inputs(start.session)
     if not is_complete:
         st.warning(INCOMPLETE.format(name), icon=":material/tab:")
@@ -51,7 +51,7 @@ def draw() -> None:
 
 
 def link(address: str, page: str, params: dict[str, str]) -> str:
-    """Address of a page of the app, from that of the Export page and the parameters.
+    """Return the address of a page, given that of the Export page and the parameters.
 
     Examples
     --------
@@ -64,7 +64,7 @@ def link(address: str, page: str, params: dict[str, str]) -> str:
 
 
 def _inputs(session: Session) -> Session:
-    """The session without what an address holds: systems and tags, thresholds, parameters."""
+    """Return the session without what an address holds: systems, tags, thresholds, parameters."""
     systems = tuple(replace(system, threshold=None) for system in session.systems)
     return replace(
         session,

@@ -1,4 +1,4 @@
-"""Export page: the files of a report, one by one and as a zip, and the session file."""
+"""Export page: the files of a report, separately and as a zip, and the session file."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ TERMS: Final = (
 )
 COLUMNS: Final = {**report_columns(), MATCHES: MATCH_COLUMNS}
 MOST_BOXES: Final = 5_000_000
-"""Limit on the boxes of a download, which is made in memory."""
+"""Maximum number of boxes in a download, which is made in memory."""
 MOST_NAMED: Final = 12
-"""Inputs that are named one by one."""
+"""Maximum number of inputs that are named individually."""
 
 
 class _Report(NamedTuple):
-    """Contents of the files. `made` are those that only the app has, by name in the session."""
+    """Contents of the files. `made` holds those that only the app has, by name in the session."""
 
     session: Session
     findings: tuple[Finding, ...]
@@ -62,7 +62,7 @@ def draw(result: Result) -> None:
     report = _report(result, remove_paths)
 
     @cache
-    def public() -> Result:  # when a file is made, not in each run
+    def public() -> Result:  # called when a file is made, not in each run
         return with_public_names(result, remove_paths)
 
     st.header("Report")
@@ -152,7 +152,7 @@ def _draw_columns() -> None:
     rows = ["| Column | Unit | Meaning | Empty |", "|---|---|---|---|"]
     for name, column in columns.items():
         kind, letter = name[:-2], name[-2:]
-        if letter == "_y" and f"{kind}_x" in columns:  # in the row of X
+        if letter == "_y" and f"{kind}_x" in columns:  # shown in the row of X
             continue
         has_pair = letter == "_x" and f"{kind}_y" in columns
         names = f"`{name}`, `{kind}_y`" if has_pair else f"`{name}`"

@@ -1,9 +1,9 @@
-"""The session and the findings as they may leave the machine: without its paths.
+"""Session and findings without paths of this machine, for sharing.
 
-A session is written with paths that start beside the file. Where the inputs lie in folders of
-their owner (the sample, the local root) those are kept. What the app was started with may name
-files anywhere: these keep as much of their paths as tells them apart. Uploads lie in a temporary
-folder: they are written as bare file names, as their sender knows them.
+A session is written with paths relative to its file. Inputs in folders of their owner (the sample,
+the local root) keep these folders. The start session may name files anywhere, which keep as much of
+their paths as distinguishes them. Uploads are in a temporary folder, and are written as bare file
+names, as their sender knows them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from ui.session.workspace import PICTURES
 BESIDE: Final = Path()
 """Folder of a session that is written with relative paths."""
 OWN_FOLDER: Final = "data"
-"""Folder for files that need one; the readers name no recording after it."""
+"""Folder for files that need one. Readers name no recording after it."""
 
 
 def portable_session(
@@ -37,18 +37,18 @@ def portable_session(
     recordings: Iterable[str] = (),
     root: Path | None = None,
 ) -> Session:
-    """The session with paths relative to its own place.
+    """Return the session with paths relative to its own folder.
 
     Parameters
     ----------
     is_upload
-        Whether the inputs lie in the session's folder for uploads. Files are then named by their
-        base name, in a folder ``data`` where two have the same.
+        Whether the inputs are in the session's folder for uploads. Files then get their base name,
+        in a folder ``data`` if two have the same.
     recordings
-        Names of the recordings in the data. One that is named after its file, ``gt``, would be
-        named after the surrounding folder elsewhere: the folder ``data`` keeps its name.
+        Names of the recordings in the data. A recording named after its file ``gt`` would elsewhere
+        be named after the surrounding folder, so the folder ``data`` keeps its name.
     root
-        Folder that the visitor may look into, links followed: what is below it keeps its folders.
+        Folder that the visitor may browse, with links resolved. Files below it keep their folders.
     """
     if not is_upload:
         names_here = _names_of_files(session, root)
@@ -58,12 +58,12 @@ def portable_session(
 
 
 def inputs_beside(portable: Session, given: Container[str] = ()) -> list[str]:
-    """What has to lie beside the written session, in its words; pictures are not needed.
+    """Return the files that must be beside the written session, without pictures.
 
     Parameters
     ----------
     given
-        Names of files that come with it.
+        Names of files that are delivered with it.
     """
     entries = [replace(entry, speed=None) for entry in portable.recordings]
     of_view = {path for entry in entries for path in paths_in(entry)}
@@ -74,7 +74,7 @@ def inputs_beside(portable: Session, given: Container[str] = ()) -> list[str]:
 def public_findings(
     findings: Iterable[Finding], public: Callable[[object], str]
 ) -> tuple[Finding, ...]:
-    """The findings, their texts made `public`: without paths of the machine."""
+    """Return findings with `public` texts, without paths of this machine."""
     return tuple(
         replace(
             finding,
@@ -88,14 +88,14 @@ def public_findings(
 
 
 def with_public_names(result: Result, public: Callable[[object], str]) -> Result:
-    """The result with the names of its input files made `public`, for tables that show them."""
+    """Return the result with `public` names of its input files, for tables that show them."""
     inputs = result.dataset.inputs
     inputs = inputs.assign(file=[public(name) for name in inputs["file"]])
     return replace(result, dataset=replace(result.dataset, inputs=inputs))
 
 
 def _names_of_files(session: Session, root: Path | None) -> dict[str, str]:
-    """Name of each path: from the session's folder, where that tells no other of the machine.
+    """Map each path to its name, relative to the session's folder if that reveals no other folder.
 
     An absolute path outside, and outside the local root, is named by its last parts.
     """
@@ -118,7 +118,7 @@ def _names_of_files(session: Session, root: Path | None) -> dict[str, str]:
 
 
 def _names_of_uploads(session: Session, recordings: Set[str]) -> Mapping[str, str]:
-    """Name of each path of a session of uploads: the shortest that is its own."""
+    """Map each path in a session of uploads to its shortest unique name."""
     spellings = {path: _spellings(path) for path in session.paths()}
     for path in (path for source, _ in session.sources for path in source.path):
         stem = PurePosixPath(unpacked_name(path)).stem
@@ -137,7 +137,7 @@ def _names_of_uploads(session: Session, recordings: Set[str]) -> Mapping[str, st
 
 
 def _spellings(path: str) -> tuple[str, ...]:
-    """Base name, path below the form's field, and the same in a folder of the field's own."""
+    """Return base name, path below the form's field, and the same in the field's folder."""
     parts = PurePosixPath(path).parts
     first, *_ = ANNOTATION_FOLDERS.parts
     if first in parts:

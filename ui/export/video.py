@@ -17,12 +17,12 @@ from ui.widgets import drawing
 from ui.widgets.text import plain
 
 LONGEST_S: Final = 120.0
-"""Longest video; the interval of the recording may be longer."""
+"""Maximum length of the video. The interval of the recording may be longer."""
 USUAL_S: Final = 10.0
 """Length of the proposed interval."""
 SPEEDS: Final = {1.0: "real time", 0.5: "half", 0.25: "quarter", 2.0: "double"}
 RUN: Final = PageRun[None](
-    # boxes and pictures do not depend on what is estimated
+    # boxes and pictures do not depend on estimates
     "video",
     "video",
     "Making {title}",
@@ -33,7 +33,7 @@ RUN: Final = PageRun[None](
 
 
 class Interval(NamedTuple):
-    """Rows within the recording that are to be written, and frames per second of the video."""
+    """Rows within the recording to write, and frames per second of the video."""
 
     row_start: int
     row_stop: int
@@ -65,7 +65,7 @@ def _draw_form(result: Result) -> None:
     now_s = float(times[state.row()])
     start = max(min(now_s - USUAL_S / 2, end - USUAL_S), 0.0)
     columns = st.columns([1, 1, 1, 1], vertical_alignment="bottom")
-    # a key for each place: the proposal follows the current frame
+    # one key per place, as the proposal follows the current frame
     key = f"{recording}_{state.row()}"
     first = columns[0].number_input(
         "From (s)", 0.0, end, round(start, 2), 1.0, key=f"video_from_{key}", format="%.2f"
@@ -94,10 +94,10 @@ def _draw_form(result: Result) -> None:
 def chosen_interval(
     times: np.ndarray, first_s: float, last_s: float, speed: float, fps: float
 ) -> Interval:
-    """Return the rows from one time to another, both included, and how fast they are shown.
+    """Return the rows from one time to another, both included, and their frame rate.
 
-    At a speed of 1, evaluated frames follow each other as fast as they were taken. The recording's
-    frame rate counts if there is a single frame.
+    At a speed of 1, evaluated frames follow each other as fast as they were recorded. The
+    recording's frame rate is used if there is a single frame.
     """
     step = float(np.median(np.diff(times))) if len(times) > 1 else 1 / fps
     near = step / 100  # fields round to hundredths
