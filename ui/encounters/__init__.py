@@ -1,1 +1,1 @@
-"""The parts of the Encounters page."""
+"""Parts of the Encounters page."""

@@ -1,4 +1,4 @@
-"""Encounters page: filters, order and the selected encounter, as in the page's address."""
+"""Encounters page: filters, order and the selected encounter in the page's address."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ NAMES: Final = (
 )
 """Entries of the address that belong to the page."""
 LONGEST: Final = 40
-"""Characters of a wrong value that are shown."""
+"""Maximum length of a wrong value in a message, characters."""
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Choice:
-    """What is listed, in which order, and which encounter is open; None: none was selected."""
+    """Filters, order and open encounter, which is None if none was selected."""
 
     filters: Filters = field(default_factory=Filters)
     order: Order = field(default_factory=Order)
@@ -34,7 +34,7 @@ class Choice:
 
 
 def to_address(choice: Choice) -> dict[str, str]:
-    """The entries of the address; what is as it is at the start has none."""
+    """Return the address entries of a choice, without initial values."""
     filters = choice.filters
     entries = {
         "category": _joined(filters.categories),
@@ -60,12 +60,12 @@ def from_address(
     classes: Sequence[str] = (),
     of_subjects: Mapping[str, Sequence[str]] | None = None,
 ) -> tuple[Choice, tuple[str, ...]]:
-    """What an address asks for, and what of it cannot be followed, in words.
+    """Parse an address, and list its parts that cannot be applied, in words.
 
     Parameters
     ----------
     recordings, classes, of_subjects
-        Those that there are; choices of the filters that subjects add, by name.
+        Available values, and choices of the filters that subjects add, by name.
     """
     wrong: list[str] = []
 
@@ -115,7 +115,7 @@ def _joined(names: Sequence[str]) -> str:
 
 
 def _range_text(span: tuple[float, float] | None) -> str:
-    """An open end is left out: what it is follows from what is listed."""
+    """Format a range. An open end is omitted, because it follows from the list."""
     return (
         "" if span is None else ":".join(f"{end:g}" if math.isfinite(end) else "" for end in span)
     )

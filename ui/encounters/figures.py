@@ -22,7 +22,7 @@ from ui.widgets.table_columns import class_words
 from ui.widgets.text import UNDEFINED, docs_link, plain, short_names
 
 MANY_BOXES: Final = 300_000
-"""Boxes of all sources from which on a fusion is computed only on request."""
+"""Number of boxes from which a fusion is computed only on request."""
 
 
 def draw_classes(result: Result, encounters: pd.DataFrame) -> None:
@@ -54,7 +54,7 @@ def _choose_class(clicked: Clicked) -> None:
 
 
 def draw_exclusivity(result: Result) -> None:
-    """Draw whether X and Y miss the same pedestrians: in words, and as a table of miss classes."""
+    """Draw whether X and Y miss the same pedestrians, in words and as a table of miss classes."""
     x, y = map(plain, short_names(result).values())
     st.markdown(
         "\n".join(f"- {plain(state.say(fact))}" for fact in misses(result)),

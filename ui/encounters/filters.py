@@ -51,7 +51,7 @@ class Filters:
     Attributes
     ----------
     of_subjects
-        Choices in the filters that subjects add, by name. Filters without choices are left out.
+        Choices in the filters that subjects add, by name. Filters without choices are omitted.
     """
 
     categories: Sequence[str] = ()

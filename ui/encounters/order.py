@@ -1,4 +1,4 @@
-"""Encounters page: in which order the encounters are listed, and reviewed one by one."""
+"""Encounters page: order in which the encounters are listed and reviewed."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from nvcore.schema import Category
 from nvcore.tables.columns import report_columns
 
 SEVERITY: Final = "severity"
-"""The larger of X's and Y's severity, the order to begin with; all others are columns."""
+"""Initial order, by the larger of X's and Y's severity. All other orders are columns."""
 COLUMNS: Final = tuple(column.name for column in report_columns()["encounters.csv"])
 
 
 @dataclass(frozen=True)
 class Order:
-    """By what the encounters are sorted: `SEVERITY`, or one of `COLUMNS`."""
+    """Sort key of the encounters: `SEVERITY`, or one of `COLUMNS`."""
 
     by: str = SEVERITY
     is_descending: bool = True
 
     @property
     def text(self) -> str:
-        """As in an address: ``-lag_s_x`` is descending."""
+        """Text for an address, such as ``-lag_s_x`` for descending order."""
         return f"-{self.by}" if self.is_descending else self.by
 
     def sort(self, encounters: pd.DataFrame) -> pd.DataFrame:
-        """The rows in this order, with their index.
+        """Sort rows and keep their index.
 
-        What has no value is last, either way; of equals the heavier failure is first, then the
-        taller pedestrian. By severity, distant pedestrians, who do not count, are last.
+        Rows without a value are last in either direction. Ties are sorted by heavier failure, then
+        by taller pedestrian. By severity, distant pedestrians, who do not count, are last.
         """
         heaviest_first = encounters.iloc[_by_weight(encounters, is_descending=True)]
         if self.by == SEVERITY:
@@ -45,7 +45,7 @@ class Order:
 
 
 def order_of(text: str) -> Order | None:
-    """The order that an address names; None: it names none."""
+    """Parse the order in an address. Return None if it is not valid."""
     order = Order(text.removeprefix("-"), is_descending=text.startswith("-"))
     return order if order.by in (SEVERITY, *COLUMNS) else None
 

@@ -1,4 +1,4 @@
-"""Encounters page: which encounter is selected, and the way to the others of the list."""
+"""Encounters page: the selected encounter, and steps through the list."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ui.widgets.choices import draw_steps as draw_way
 
 
 def choose(encounter: int) -> None:
-    """Select an encounter by its row, in the data that are open. For callbacks."""
+    """Select an encounter by its row in the open data. For callbacks."""
     result = state.result()
     if result is not None:
         choose_encounter(result, encounter)
@@ -24,30 +24,30 @@ def choose(encounter: int) -> None:
 
 
 def choose_clicked(encounter: int) -> None:
-    """As `choose`, unless a button chose in the same run: the table then still has the last one."""
+    """Select an encounter, unless a button did so in this run and the click is outdated."""
     if not store.HAS_STEPPED.get():
         choose(encounter)
 
 
 def selected(result: Result, encounters: pd.DataFrame) -> int | None:
-    """The encounter that was selected, if it is among these."""
+    """Return the selected encounter if it is among these."""
     encounter = chosen_encounter(result)
     return encounter if encounter in encounters.index else None
 
 
 def shown(result: Result, listed: pd.DataFrame) -> int:
-    """The encounter that is shown: the one selected, or the first of the list."""
+    """Return the encounter to show: the selected one, or the first of the list."""
     encounter = selected(result, listed)
     return int(listed.index[0]) if encounter is None else encounter
 
 
 def place_of(listed: pd.DataFrame, encounter: int) -> int:
-    """Which of the list it is, counted from 0."""
+    """Return the position of an encounter in the list, counted from 0."""
     return int(np.flatnonzero(listed.index.to_numpy() == encounter)[0])
 
 
 def moments_of(result: Result) -> pd.DataFrame:
-    """`encounter_moments`, computed anew only for settings that move them."""
+    """Return `encounter_moments`, recomputed only for settings that affect them."""
     settings = result.params.only_for(THRESHOLD, SEVERITY)
     return state.cached(
         "encounter_moments",
@@ -57,7 +57,7 @@ def moments_of(result: Result) -> pd.DataFrame:
 
 
 def go_along(result: Result) -> None:
-    """Let the current frame be that of an encounter that was selected just now."""
+    """Move the current frame to an encounter that was just selected."""
     encounter = chosen_encounter(result)
     if store.ENCOUNTER_IS_NEW.pop() and encounter is not None:
         row = int(moments_of(result)["shown_row"].iloc[encounter])
@@ -65,7 +65,7 @@ def go_along(result: Result) -> None:
 
 
 def draw_steps(listed: pd.DataFrame, encounter: int) -> None:
-    """The way through the list as it is filtered and sorted."""
+    """Draw buttons to step through the filtered and sorted list."""
     store.HAS_STEPPED.set(False)
     draw_way(
         place_of(listed, encounter), len(listed), partial(_step, listed.index), key="encounters"

@@ -36,7 +36,7 @@ FIRST_COLUMNS: Final = (
     "peak_cost_x",
     "peak_cost_y",
 )
-"""Columns that most people look for. In a small window, the first five fit."""
+"""Main columns. In a small window, the first five fit."""
 BY_SEVERITY: Final = "Severity, the larger of both"
 
 
@@ -92,7 +92,7 @@ def draw(listed: pd.DataFrame, encounter: int) -> None:
     first = [*FIRST_COLUMNS[:at_category], *added, *FIRST_COLUMNS[at_category:]]
     others = [str(name) for name in listed if name not in first]
     table = as_shown(listed.head(MOST_ROWS))
-    if len(state.recording_names()) == 1:  # the same name in every row
+    if len(state.recording_names()) == 1:  # the name is the same in every row
         first.remove("recording")
     shown = [*first, *others] if store.ALL_COLUMNS.get() else first
     at, by = selection.place_of(listed, encounter), order()
