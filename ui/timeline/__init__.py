@@ -1,1 +1,1 @@
-"""The parts of the Timeline page."""
+"""Parts of the Timeline page."""

@@ -1,4 +1,4 @@
-"""Timeline page: stretches of the recording with a code, marked, changed, removed, saved, read."""
+"""Timeline page: mark, change, remove, save and load coded intervals of the recording."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ HELP: Final = (
 
 
 def draw(recording: int) -> None:
-    """The stretches of the recording, and fields for one of them or a new one."""
+    """Draw the coded intervals of the recording, with fields for one of them or a new one."""
     name, n = state.recording_names()[recording], store.N_CODE_CHANGES.get()
     every = state.opened().session.codes
     with st.expander("Stretches with a code, such as glare", key="codes", on_change="rerun"):
@@ -59,7 +59,7 @@ def _words(of: CodedInterval | str) -> str:
 
 
 def _draw_fields(before: CodedInterval | None, key: str) -> tuple[float, float, str]:
-    """Start and end, at first those of the frame that is shown, and the code."""
+    """Draw fields for start, end and code, initially the shown frame. Return their values."""
     now_s = float(state.opened().dataset.frames["time_s"].iloc[state.row_in_all()])
     columns = st.columns(3)
     ends = []
@@ -92,7 +92,7 @@ def _mark(name: str, start_s: float, end_s: float, code: str, others: list[Coded
 
 
 def _draw_reading(every: Iterable[CodedInterval], key: str) -> None:
-    """A file whose stretches are added."""
+    """Draw the upload of a file whose intervals are added."""
     file = st.file_uploader(
         "Add those of a CSV file",
         key=key,
@@ -114,7 +114,7 @@ def _draw_reading(every: Iterable[CodedInterval], key: str) -> None:
 
 
 def _use(codes: Iterable[CodedInterval]) -> NoReturn:
-    """Compare with these stretches from now on; starts a new run."""
+    """Compare with these intervals from now on, and start a new run."""
     state.compare_as(replace(state.opened().session, codes=tuple(dict.fromkeys(codes))))
     store.N_CODE_CHANGES.set(store.N_CODE_CHANGES.get() + 1)
     st.rerun()

@@ -29,9 +29,9 @@ from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.text import UNDEFINED, number, plain
 
 MOST_BOXES: Final = 40
-"""Boxes of a table; those with smaller terms are counted."""
+"""Maximum number of boxes in a table. Those with smaller terms are only counted."""
 FORMS: Final = {"term": ".2f", "cost": ".2f", "k": ".2f", "score": ".2f"}
-"""Format of a column by the first part of its name; other numbers are whole."""
+"""Format of a column by the first part of its name. Other numbers are integers."""
 
 
 def draw(result: Result, row_in_all: int) -> None:
@@ -107,7 +107,7 @@ def _chosen(result: Result, row: int) -> None:
 
 def _choose(result: Result, tracks: list[int], row: int, _line: int, column: str) -> None:
     """Select the pedestrian whose column was clicked."""
-    if not column:  # the names of the lines
+    if not column:  # a click on the names of the rows
         return
     truth = result.dataset.truth
     rows = truth.rows_of(row, row + 1)

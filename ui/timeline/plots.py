@@ -30,14 +30,14 @@ VIEWER_PX: Final = 700
 PANEL_PX: Final = 640
 """Height of the panel beside the picture. Longer content scrolls by itself."""
 LANES: Final = 20
-"""Number of lanes at a time, which fill a screen."""
+"""Maximum number of lanes at a time, which fill a screen."""
 PLOTS: Final[dict[TimeLayout | Literal["losses"], str]] = {
     "time": "Similarity",
     "losses": "Lost to misses and false alarms",
     "upright": "Upright, mirrored",
     "side_by_side": "Upright, side by side",
 }
-"""Choices for the plot over time. The upright ones are the paper's figure 8."""
+"""Choices for the plot over time. The vertical ones are figure 8 of the paper."""
 SIMILARITY_TEXT: Final = (
     "Thin: similarity of each frame, 1 is best. Thick: moving mean. Filled: low intervals. "
     "Marks above or between: saliency events."
@@ -54,7 +54,7 @@ def draw_all(result: Result, recording: int) -> None:
 
     The rest of the page is drawn for this recording.
     """
-    if state.recording() != recording:  # a list's entry is in another recording
+    if state.recording() != recording:  # an entry of a list is in another recording
         st.rerun()
     settled = compared_viewer.settled(VIEWER)
     if settled != state.row():
@@ -62,7 +62,7 @@ def draw_all(result: Result, recording: int) -> None:
     title.follow_frame()
     listed.draw()
     left, right = st.columns([5, 2], gap="medium")
-    with st.container():  # first: people who drag a slider wait for the plot
+    with st.container():  # first, because people who drag a slider wait for the plot
         _draw_plot(result)
     with left:
         box = listed.box_in(state.recording())
@@ -87,7 +87,7 @@ def _draw_lanes(result: Result) -> None:
     )
     chosen = chosen_encounter(result)
     first = _first_lane(right, order, chosen)
-    lanes = kept_figure(  # kept while alpha and similar settings move
+    lanes = kept_figure(  # cached while alpha and similar settings move
         "lanes",
         (*key, first, LANES, chosen, state.theme(), result.dataset.settings.codes),
         lambda: lanes_figure(
