@@ -1,4 +1,4 @@
-"""The page Time left, and what it adds to the dashboard."""
+"""Page Time left, and its additions to the dashboard."""
 
 from typing import Final
 

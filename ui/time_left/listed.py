@@ -1,4 +1,4 @@
-"""Time left page: the urgent encounters as a list, and the way to a moment in the Timeline."""
+"""Time left page: list of urgent encounters, with links to moments in the Timeline."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ COLUMNS: Final = (
 
 
 def draw(urgent: pd.DataFrame) -> None:
-    """The fastest impact first; a click opens the last chance."""
+    """Draw the list, fastest impact first. A click opens the last chance."""
     shown = urgent.head(MOST_ROWS)
     places = list(zip(shown.index.tolist(), shown["urgent_row"].tolist(), strict=True))
     first = COLUMNS if len(state.recording_names()) > 1 else COLUMNS[1:]
@@ -48,6 +48,6 @@ def _ask(places: list[tuple[int, int]], row: int, _column: str) -> None:
 
 
 def open_encounter(result: Result, encounter: int, row: int) -> NoReturn:
-    """Show a frame of an encounter on the Timeline, its lane marked."""
+    """Show a frame of an encounter on the Timeline, with its lane marked."""
     choose_encounter(result, encounter)
     open_row(row)

@@ -1,4 +1,4 @@
-"""How the columns of time left look in tables on pages."""
+"""Formats of the time left columns in tables on pages."""
 
 from __future__ import annotations
 
