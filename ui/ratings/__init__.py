@@ -1,4 +1,4 @@
-"""The page Ratings, and what it adds to the dashboard."""
+"""Page Ratings, and its additions to the dashboard."""
 
 from typing import Final
 

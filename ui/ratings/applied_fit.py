@@ -1,4 +1,4 @@
-"""Fits that were applied, and whether they are in use with the ratings that they were made from."""
+"""Applied fits, and whether they are in use with the ratings that they were fitted to."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ MOST: Final = 8
 
 @dataclass(frozen=True)
 class AppliedFit:
-    """Fitted settings that were put into the sidebar, and those before, by name.
+    """Fitted settings that were applied to the sidebar, and previous ones, by name.
 
-    Knows the dataset's fingerprint, and by `RatingSource.rows` the ratings that it was fitted to,
-    not their values: who rates a clip otherwise the second time is no new evidence.
+    It records the dataset's fingerprint and, as `RatingSource.rows`, the ratings that it was fitted
+    to, but not their values: a participant who changes a rating adds no new evidence.
     """
 
     fitted: dict[str, Any]
@@ -34,7 +34,7 @@ class AppliedFit:
     is_simulated: bool
 
     def is_in_use(self, params: Params) -> bool:
-        """Whether all that was fitted has the fitted values, whatever else has moved."""
+        """Whether all fitted settings have their fitted values, regardless of other settings."""
         return all(
             math.isclose(live, value, rel_tol=1e-9)
             if isinstance(live := getattr(params, name), float) and isinstance(value, float)
@@ -43,12 +43,12 @@ class AppliedFit:
         )
 
     def share_seen(self, rating_source: RatingSource) -> float:
-        """Return the share of these ratings that it was fitted to, 0..1, whatever their values."""
+        """Return the share of these ratings that it was fitted to, 0..1, regardless of values."""
         return float(np.mean(np.isin(rating_source.rows(), self.rating_keys)))
 
 
 def _fits_in_use(result: Result) -> list[AppliedFit]:
-    """Fits in use now, the newest first."""
+    """Return the fits in use, newest first."""
     return [
         fit
         for fit in _all()
@@ -57,13 +57,13 @@ def _fits_in_use(result: Result) -> list[AppliedFit]:
 
 
 def in_use(result: Result, rating_source: RatingSource) -> AppliedFit | None:
-    """Return the fit in use that was made from most of these ratings, or None if from none."""
+    """Return the fit in use that used most of these ratings, or None if no fit used any."""
     most = max(_fits_in_use(result), key=lambda fit: fit.share_seen(rating_source), default=None)
     return most if most is not None and most.share_seen(rating_source) > 0 else None
 
 
 def of_simulated(result: Result, rating_source: RatingSource) -> bool:
-    """Whether the settings in use were fitted to simulated ratings, and these are not."""
+    """Whether the settings in use were fitted to simulated ratings, while these are real."""
     return not rating_source.is_simulated and any(fit.is_simulated for fit in _fits_in_use(result))
 
 
@@ -74,7 +74,7 @@ def apply(
     fingerprint: str,
     fit_in_use: AppliedFit | None,
 ) -> None:
-    """Move the sidebar to a fit, compared with `start`. Settings without a fitted value go back."""
+    """Move the sidebar to a fit that was compared with `start`. Other settings are reset."""
     before = {name: getattr(start, name) for name in fit.changed}
     newest = AppliedFit(
         fit.changed, before, fingerprint, rating_source.rows(), rating_source.is_simulated

@@ -1,4 +1,4 @@
-"""Ratings page: what drives the ratings, and the alpha that people weigh by."""
+"""Ratings page: drivers of the ratings, and the alpha that the ratings imply."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST_KEPT: Final = 8
 
 
 def draw(result: Result, ranks: pd.DataFrame, clips: pd.DataFrame, ratings_key: object) -> None:
-    """Alpha of the people, and the part of each driver; `ratings_key` differs where ranks do."""
+    """Draw the implied alpha and the drivers' weights. `ratings_key` identifies the ranks."""
     drivers = state.workspace().cached(
         "rating_drivers",
         (ratings_key, clips[[*DRIVERS]].to_numpy().tobytes()),
@@ -69,7 +69,7 @@ def draw(result: Result, ranks: pd.DataFrame, clips: pd.DataFrame, ratings_key: 
 
 
 def alpha_text(drivers: RatingDrivers, alpha: float) -> str:
-    """Which alpha the ratings follow, beside the one in use."""
+    """Describe the alpha that the ratings imply, compared with the one in use."""
     if drivers.reason:
         return (
             f"Which alpha people weigh misses and false alarms by **cannot be told from these "

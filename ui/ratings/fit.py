@@ -1,4 +1,4 @@
-"""Ratings page: saliency's parameters fitted to the ratings, and what that is worth."""
+"""Ratings page: saliency parameters fitted to the ratings, and the gain of the fit."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
 
 AT_ONCE: Final = 20_000
-"""Frames up to which a fit takes seconds: it is made while the page waits."""
+"""Number of frames up to which a fit takes seconds and runs while the page waits."""
 RUN: Final = PageRun[Fit]("rating_fit", "fit", "Fitting")
 MOST_FITS: Final = 4
 SIMULATED: Final = "Fitted to **simulated ratings**: nobody was asked."
@@ -40,10 +40,10 @@ def draw(
     rating_source: RatingSource,
     fit_in_use: AppliedFit | None,
 ) -> None:
-    """The button that fits, and what the fit gives.
+    """Draw the button that fits, and the results.
 
-    With a fit in use that was made from some of these ratings, the gain is over the settings before
-    it. The recordings of `of_clips` are the clips. The `ratings_key` differs where the ratings do.
+    If a fit that used some of these ratings is in use, the gain is relative to the settings before
+    it. The recordings of `of_clips` are the clips. `ratings_key` identifies the ratings.
     """
     st.header("Fit saliency to these ratings")
     st.caption(
@@ -70,7 +70,7 @@ def _keep(key: Any, fit: Fit) -> Fit:
 
 
 def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | None:
-    """Draw the button or the progress of the fit. Return the fit where it was made at once."""
+    """Draw the button or the progress of the fit. Return the fit if it is computed at once."""
     job = RUN.job
     if job is not None and job.key == key:
         job_state = RUN.draw(job)
@@ -104,7 +104,7 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
 
 
 def _draw_worth(fit: Fit, start: str) -> None:
-    """The shares of pairs, by settings that are called `start` and by the fit."""
+    """Draw the shares of pairs for the settings called `start` and for the fit."""
     st.markdown("**Share of the pairs of clips in the order in which people put them**")
     columns = st.columns(3)
     columns[0].metric(start, percent(fit.share_default))
@@ -125,7 +125,7 @@ def _draw_worth(fit: Fit, start: str) -> None:
 
 
 def _gain(fit: Fit, start: str) -> str:
-    """Say what the fit gains on recordings it has not seen, and whether that may be chance."""
+    """Describe the gain of the fit on unseen recordings, and whether it may be due to chance."""
     gain = fit.share_fitted - fit.share_default
     if gain <= 0:
         return (
@@ -151,7 +151,7 @@ def _draw_settings(
     rating_source: RatingSource,
     fit_in_use: AppliedFit | None,
 ) -> None:
-    """Draw what the fit changes, and the button that applies it or undoes it."""
+    """Draw the changes of the fit, and the button that applies or undoes it."""
     if fit.changed:
         lines = [
             f"- {plain(state.say(SETTINGS[name].label_with_unit))}: "
@@ -177,7 +177,7 @@ def _draw_settings(
 
 
 def _draw_in_use(fit_in_use: AppliedFit) -> None:
-    """Say that fitted settings are in use, and draw the button that goes back."""
+    """Draw a note that fitted settings are in use, and the button that restores the others."""
     with st.container(horizontal=True, vertical_alignment="center"):
         of_whom = f" {SIMULATED}" if fit_in_use.is_simulated else ""
         st.markdown(f":material/check: **In use**.{of_whom}")
@@ -191,7 +191,7 @@ def _draw_in_use(fit_in_use: AppliedFit) -> None:
 
 
 def _shown(name: str, value: Any) -> str:
-    """The value of a parameter as the sidebar says it."""
+    """Format the value of a parameter as in the sidebar."""
     words = SETTINGS[name].words
     if value is None:
         value = live_params.height_start_px(name)

@@ -39,7 +39,7 @@ COLUMNS: Final[dict[str, dict[str, Any]]] = {
         "sd": st.column_config.NumberColumn("SD, with n - 1"),
     },
 }
-"""The tables that can be typed in."""
+"""Tables that can be typed in."""
 HEADINGS: Final = {
     "groups": "Groups",
     "tests": "All conditions",
@@ -51,7 +51,7 @@ HEADINGS: Final = {
 
 @errors_shown()
 def draw() -> None:
-    """The table, how it is compared, and what comes out."""
+    """Draw the table, the choice of comparison, and its results."""
     st.header("Compare groups")
     st.caption(
         "Persons or drives under several conditions: reaction times to alerts, violations with "

@@ -84,7 +84,7 @@ def _of_clips(result: Result, rating_source: RatingSource) -> Result:
 
 
 def _draw_unknown(ratings: pd.DataFrame, unknown: pd.DataFrame) -> None:
-    """Name the rated clips, and their raters, that are not in this comparison."""
+    """Draw a list of rated clips, with their raters, that are not in this comparison."""
     if unknown.empty:
         return
     clips = unknown[["clip", "system"]].drop_duplicates()
@@ -106,7 +106,7 @@ def _agreement(ratings: pd.DataFrame, key: object) -> Agreement:
 
 
 def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
-    """Draw how far people agree, and return the participants who are left out."""
+    """Draw how much participants agree, and return the participants to exclude."""
     st.header("Do people agree?")
     everybody = _agreement(ratings, (digest, ()))
     people = everybody.participants
@@ -171,7 +171,7 @@ def _concordance(agreement: Agreement) -> str:
 def _cautions(
     result: Result, rating_source: RatingSource, n_people: int, fit_in_use: AppliedFit | None
 ) -> None:
-    """Say what keeps plot and correlations from being evidence."""
+    """Draw reasons why plot and correlations may not be evidence."""
     if fit_in_use is not None:
         share = fit_in_use.share_seen(rating_source)
         percent = min(max(round(100 * share), 1), 99)

@@ -79,7 +79,7 @@ def draw_setup(sessions: Studies[RatingStudy, RatingStore], result: Result) -> N
 
 
 def _choose_stretches(result: Result) -> list[tuple[Any, ...]]:
-    """Ask what is rated, and return recordings, or stretches with start, end and reason."""
+    """Ask for what to rate. Return recordings, or stretches with start, end and reason."""
     rated = choose_side_by_side(
         "What is rated",
         {"whole": "Whole recordings", "clips": "Clips around encounters and false alerts"},

@@ -1,4 +1,4 @@
-"""Rating sessions on their page: see `ui.people.studies.Studies`."""
+"""Rating sessions on their page. See `ui.people.studies.Studies`."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class RatingSessions(Studies[RatingStudy, RatingStore]):
         return True
 
     def introduce(self, study: RatingStudy) -> None:
-        """Say what is rated, and how."""
+        """Explain what is rated, and how."""
         st.markdown(
             f"You will see **{count_text(len(study.clips), 'short clip')}** of drives. A system "
             "that looks out for pedestrians draws a box around everyone it finds.\n\n"
@@ -79,7 +79,7 @@ class RatingSessions(Studies[RatingStudy, RatingStore]):
         return ClipScreen(result, store, study, person.name).draw(person.plan, left)
 
     def draw_end(self, person: Person) -> None:
-        """Say what is kept, and offer to change the last rating."""
+        """Draw which answers are stored, and offer to change the last rating."""
         n_clips = sum(shown.table == "rating" for shown in person.plan)
         n_alerts = len(person.plan) - n_clips
         alerts = f", all {n_alerts} alerts answered" if n_alerts else ""
@@ -97,7 +97,7 @@ class RatingSessions(Studies[RatingStudy, RatingStore]):
         session_setup.draw_setup(self, result)
 
     def draw_notes(self) -> None:
-        """Draw what participants' browsers need if other files than at the start are open."""
+        """Draw what participants' browsers need if files other than those at the start are open."""
         start = state.shared_start().opened
         if state.opened().dataset.fingerprint != start.dataset.fingerprint:
             st.caption(
@@ -121,7 +121,7 @@ class RatingSessions(Studies[RatingStudy, RatingStore]):
             )
 
     def progress(self, store: RatingStore, study: RatingStudy) -> Progress:
-        """Return how many clips and alerts everybody has answered."""
+        """Return the number of clips and alerts that each participant has answered."""
         people, n_clips = store.progress(study), len(study.clips)
         n_ratings = int(people["n_rated"].sum())
         columns = {

@@ -29,9 +29,9 @@ SESSION: Final = "Rating session"
 
 @dataclass(frozen=True)
 class RatingSource:
-    """Ratings and the system whose boxes were shown, which is empty if the ratings name it.
+    """Ratings and the system whose boxes were shown, which is empty if each rating names it.
 
-    Simulated ratings are from no person.
+    Simulated ratings are not from people.
     """
 
     ratings: pd.DataFrame

@@ -1,4 +1,4 @@
-"""Ratings page: ratings that are typed in, in a table with a row for each clip of a participant."""
+"""Ratings page: ratings typed into a table with a row for each clip of a participant."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def typed(result: Result) -> pd.DataFrame | None:
         store.RATINGS_EDITOR_OF.set(token)
         _draw_anew()
     editor = store.RATINGS_EDITOR.of(store.N_RATINGS_EDITORS.get())
-    if not editor.is_set:  # drawn anew: with what was typed before
+    if not editor.is_set:  # drawn again, with the previous entries
         store.RATINGS_START.set(_before())
     table = st.data_editor(
         store.RATINGS_START.get(),
@@ -63,12 +63,12 @@ def _before() -> pd.DataFrame:
 
 
 def _draw_anew() -> None:
-    """Let there be a table of its own, in which nothing is typed yet."""
+    """Start a new, empty table."""
     store.N_RATINGS_EDITORS.set(store.N_RATINGS_EDITORS.get() + 1)
 
 
 def _ask_for_rows(result: Result) -> None:
-    """A name, and the button that gives that participant a row for each clip."""
+    """Draw a field for a name, and a button that adds a row per clip for that participant."""
     with st.form("ratings_add", border=False):
         name_at, button_at = st.columns([2, 3], vertical_alignment="bottom")
         name = name_at.text_input(
@@ -105,7 +105,7 @@ def _ask_for_rows(result: Result) -> None:
 
 
 def _missing_rows(before: pd.DataFrame, person: str, result: Result) -> pd.DataFrame:
-    """Rows of the participant for the clips that have none yet."""
+    """Return rows of the participant for the clips that have none yet."""
     mine = before[before["participant"] == person]
     has_row = set(zip(mine["clip"], mine["system"], strict=True))
     unrated = [
@@ -118,11 +118,11 @@ def _missing_rows(before: pd.DataFrame, person: str, result: Result) -> pd.DataF
 
 
 def _complete(table: pd.DataFrame) -> pd.DataFrame:
-    """Check the rows that say who rates which clip and return them as text. Name the others."""
+    """Return the rows with participant, clip and system as text, and draw a note about others."""
     numbered = table.reset_index(drop=True)
     numbered = numbered.set_axis(numbered.index + 1).dropna(how="all")
     needed = ["participant", "clip"]
-    if numbered["system"].notna().any():  # else the page asks whose boxes they were
+    if numbered["system"].notna().any():  # otherwise the page asks whose boxes they were
         needed.append("system")
     cells = numbered[needed]
     blank = cells.isna() | cells.map(lambda cell: not str(cell).strip())
