@@ -1,4 +1,4 @@
-"""Data: what is open, what is wrong with it, at which thresholds, what else to open."""
+"""Data page: the open session, its problems, score thresholds, and other data to open."""
 
 import streamlit as st
 
@@ -8,5 +8,7 @@ from ui.data.opening import draw_outcome, new_place
 
 st.title("Data")
 for draw in (draw_outcome, choose.draw, findings.draw, compare.draw, inputs.draw):
-    with new_place(draw):  # one each: an upload goes on when there is more or less above it
+    with new_place(
+        draw
+    ):  # separate containers, so that an upload continues when the content above it changes
         draw()

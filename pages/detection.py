@@ -1,4 +1,4 @@
-"""Detection: what X and Y find over all score thresholds, in the terms of the benchmarks."""
+"""Detection page: results of X and Y over all score thresholds, in the terms of the benchmarks."""
 
 import streamlit as st
 
@@ -10,7 +10,7 @@ from ui.widgets.text import docs_link
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """The protocol, and the curves under it."""
+    """Draw the choice of the protocol, and the curves under it."""
     st.caption(
         "Curves over all score thresholds, from the same matching as everything else. They count "
         "boxes, not encounters, and every counted box weighs the same "

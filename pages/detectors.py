@@ -1,4 +1,4 @@
-"""Detectors: try one on a frame, look inside, run it over the recordings as a system to compare."""
+"""Detectors page: test a detector on a frame, inspect it, and run it over recordings."""
 
 import streamlit as st
 

@@ -1,4 +1,4 @@
-"""Export: a link, the report's files, the session, and frames as picture or video."""
+"""Export page: a link, the report's files, the session, and frames as picture or video."""
 
 import streamlit as st
 
@@ -9,7 +9,7 @@ from ui.shell.messages import needs_comparison
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """Everything that can be taken away."""
+    """Draw everything that can be exported."""
     link.draw()
     report.draw(result)
     html.draw(result)

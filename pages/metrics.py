@@ -1,4 +1,4 @@
-"""Metrics: what every measure means, what the report's files hold, which formats are read."""
+"""Metrics page: meaning of every measure, columns of the report's files, and input formats."""
 
 from ui.documentation import page
 

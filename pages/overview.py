@@ -1,4 +1,4 @@
-"""Overview: the verdict, who detects whom, where to look first, and the scorecard."""
+"""Overview page: the verdict, who detects whom, where to look first, and the scorecard."""
 
 import streamlit as st
 
@@ -11,10 +11,12 @@ from ui.shell.messages import draw_operating_point, needs_comparison
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """The verdict, then what it rests on."""
+    """Draw the verdict, then its basis."""
     draw_operating_point(result)
     room, before = verdict.VerdictBox(result), known_evidence(result)
-    is_new = not room.holds_last()  # else what it shows stays until there is something newer
+    is_new = (
+        not room.holds_last()
+    )  # otherwise the previous content stays until there is a newer one
     if is_new:
         room.draw_known(before)
     left, right = st.columns([1.5, 1], gap="large")

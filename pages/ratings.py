@@ -1,4 +1,4 @@
-"""Ratings: whether people find annoying what saliency says is annoying."""
+"""Ratings page: whether people are annoyed by what saliency predicts."""
 
 import streamlit as st
 
@@ -13,7 +13,7 @@ from ui.widgets.text import docs_link
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """The results, or the rating session that is conducted."""
+    """Draw the results, or the current rating session."""
     objects = result.dataset.objects
     if not objects.is_on_road:
         st.info(

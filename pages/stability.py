@@ -18,7 +18,7 @@ def draw(result: Result) -> None:
         f"({docs_link('Stability', 'stability', doc='significance')})."
     )
     draw_notices(result)
-    above = st.container()  # filled last: the map is there sooner
+    above = st.container()  # filled last, because the map is ready earlier
     verdict_map.draw(result)
     with above:
         survey.draw(result)

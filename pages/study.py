@@ -1,4 +1,4 @@
-"""Study: would a driver have seen this pedestrian? Asked of people, picture by picture."""
+"""Study page: ask people, picture by picture, whether they would have seen a pedestrian."""
 
 import streamlit as st
 

@@ -1,4 +1,4 @@
-"""Systems: every pair of the open systems against each other."""
+"""Systems page: every pair of the open systems against each other."""
 
 import streamlit as st
 
@@ -11,7 +11,7 @@ from ui.widgets.text import docs_link
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """Who is better in what, pair by pair, then the numbers."""
+    """Draw the better system of each pair and measure, then the numbers."""
     if len(result.dataset.systems) == 2:
         pairs.draw_only_pair(result)
         return

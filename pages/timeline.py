@@ -1,4 +1,4 @@
-"""Timeline: a recording frame by frame, with both systems' similarity and encounters over time."""
+"""Timeline page: a recording frame by frame, with similarity and encounters over time."""
 
 import streamlit as st
 
@@ -11,7 +11,7 @@ from ui.widgets.recording import recording_choice
 
 @needs_comparison
 def draw(result: Result) -> None:
-    """The recording, its viewer and its plots."""
+    """Draw the recording, its viewer and its plots."""
     if len(result.dataset.frames) == 0:
         st.info("There is no evaluated frame. Check the frame list on the Data page.")
         return
