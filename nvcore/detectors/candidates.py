@@ -36,9 +36,8 @@ def open_loosened(text: str | Path, settings: Mapping[str, Setting] | None = Non
 
 def candidates(detector: Detector, picture: Picture, *, most: int = MOST) -> Detections:
     """Return the most confident boxes of a detector of `open_loosened`. Errors as for `detect`."""
-    if (
-        detector.about.kind == "icf"
-    ):  # ICF suppresses boxes regardless of class, then classifies the remaining ones
+    # ICF suppresses boxes regardless of class, then classifies the remaining ones
+    if detector.about.kind == "icf":
         icf = cast("IcfDetector", detector)
         boxes = icf.candidates(icf.score_maps(picture))
     else:

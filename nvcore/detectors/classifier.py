@@ -183,9 +183,8 @@ def _copies(grey: Bytes, box: Floats, rng: np.random.Generator) -> list[Bytes]:
         moved = np.array(
             [x + (w - wider) / 2 + dx * w, y + (h - higher) / 2 + dy * h, wider, higher]
         )
-        shrunk_to = int(
-            rng.integers(_LEAST_PX, 2 * SIDE)
-        )  # values from SIDE on, about two in three, leave the copy sharp
+        # values from SIDE on, about two in three, leave the copy sharp
+        shrunk_to = int(rng.integers(_LEAST_PX, 2 * SIDE))
         contents.append(box_content(grey, moved, shrunk_to))
     return contents
 

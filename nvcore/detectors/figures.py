@@ -119,9 +119,8 @@ def boxes_plot(
     sides = sides_in(boxes, picture, own_size)
     is_above = boxes.score >= threshold
     is_gone = is_above & ~is_counting
-    look = LOOK[
-        scheme_of(theme)._replace(shade="dark")
-    ]  # pictures are dark, whatever the page's background
+    # pictures are dark, whatever the page's background
+    look = LOOK[scheme_of(theme)._replace(shade="dark")]
     faint = _outlines(sides[is_gone], "suppressed boxes", color=faded(look.y, SUPPRESSED), width=1)
     traces = [faint.update(showlegend=False)]
     if chosen is not None:  # filled, so that it is recognisable without colour
@@ -146,9 +145,8 @@ def boxes_plot(
         x, y = middle[row].T
         return {"x": x, "y": y, "texts": texts, "name": name, "customdata": row}
 
-    across_px = (
-        sides[is_counting, 2:].min(axis=1) * BOXES_PX / own_size[1]
-    )  # approximate size on the screen
+    # approximate size on the screen
+    across_px = sides[is_counting, 2:].min(axis=1) * BOXES_PX / own_size[1]
     marker = {"size": np.clip(across_px / 2, *MARK_PX), "color": look.y}
     marker["line"] = {"width": 1, "color": look.surface}
     traces.append(click_markers(**in_the_middle("gone", is_gone)))

@@ -105,7 +105,7 @@ class Hog:
         self._descriptor.setSVMDetector(self._weights)
 
     def detect(self, picture: Picture) -> Detections:
-        """See `Detector.detect`."""
+        """Return the boxes in one picture (see `Detector.detect`)."""
         settings = self.settings
         prepared = to_8_bits(picture, always=settings.stretch_8_bit)
         height, width = picture.shape[:2]

@@ -56,9 +56,8 @@ class Trees:
     def running_sums(self, values: NDArray[np.int32]) -> NDArray[np.float64]:
         """Return the sum of confidences after each tree, float64, (n_windows, n_trees)."""
         sums = np.empty((len(values), len(self)))
-        for first in range(
-            0, len(values), _BLOCK
-        ):  # in blocks, as indices of all windows take too much memory
+        # in blocks, as indices of all windows take too much memory
+        for first in range(0, len(values), _BLOCK):
             block = slice(first, first + _BLOCK)
             leaves = self.leaves_of(values[block])
             self.leaves[np.arange(len(self)), leaves].cumsum(axis=1, out=sums[block])
@@ -167,9 +166,8 @@ def boost(
         nodes.append(split)
         leaves.append(alpha * side)
         error.append(float(((total > 0) != is_object).mean()))
-        is_repeated = eps <= 0 and n_tried == len(
-            bins
-        )  # equal weights would give the same tree again
+        # equal weights would give the same tree again
+        is_repeated = eps <= 0 and n_tried == len(bins)
         if is_repeated or _is_at_end(error, patience):
             break
     splits = np.array(nodes, np.int64).reshape(-1, 3, 2)

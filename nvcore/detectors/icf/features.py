@@ -61,7 +61,7 @@ def corner_offsets(features: Features, width: int, height: int) -> NDArray[np.ui
     -------
     uint32, (n, 8): offsets from the window's first corner in the flat array of
     `nvcore.detectors.icf.channels.integral_images`, in the order top left, top right, bottom left,
-    bottom right of both rectangles. All are 0 if there is no second one, so that its sum is 0.
+    bottom right of both rectangles. Offsets of a missing second one are 0, so that its sum is 0.
 
     Raises
     ------

@@ -71,7 +71,7 @@ def scan(
     integral
         Integral images of all planes one after another, int32, flat.
     width
-        Width of the pictures, as in `corner_offsets`.
+        Width of an integral image.
     corners
         (n_trees * 3, 8) uint32: the corners of two rectangles (`corner_offsets`) of each tree's
         root, left and right node.
@@ -184,9 +184,8 @@ def best_stumps(lo, hi, bins, features, node, signed, gain, cut):
     """
     n, shift = node.size, np.uint64(8)  # a node's histogram has 2^8 bins
     n_whole = n - n % 4
-    sums = np.empty(
-        (4, 2 * BINS)
-    )  # four independent sums, so that no addition waits for the previous one
+    # four independent sums, so that no addition waits for the previous one
+    sums = np.empty((4, 2 * BINS))
     for tried in range(lo, hi):
         values = bins[features[tried]]
         sums[:] = 0.0

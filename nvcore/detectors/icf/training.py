@@ -278,14 +278,15 @@ def _mine(
 ) -> NDArray[np.int32]:
     """Find hard background: the windows that the trees most confidently take for objects.
 
-    Scenes are visited in random order until the surplus over the wanted number is reached. A first
-    round has few trees and is wrong about many windows. Only every other window is evaluated in
-    both directions, because neighbouring windows get similar confidences.
+    Scenes are visited in random order until half as many more windows as wanted are found. A first
+    round has few trees and is wrong about many windows, so this is soon the case. Only every other
+    row and column of windows is evaluated, because neighbouring windows get similar confidences.
 
     Parameters
     ----------
     objects
-        Feature values of the training objects. Windows that fall below most of them are skipped.
+        Feature values of the training objects. Windows that reach less than nearly all of them
+        are skipped.
 
     Returns
     -------

@@ -183,7 +183,7 @@ class OnnxDetector:
         self._read(outputs)  # reports an unsuitable layout at once
 
     def detect(self, picture: Picture) -> Detections:
-        """See `Detector.detect`."""
+        """Return the boxes in one picture (see `Detector.detect`)."""
         array, fitting = network_input(picture, self._form, self.settings)
         box, score, number = self._chosen(self._read(self._run(array)))
         highest = np.abs(box).max(initial=0.0, where=np.isfinite(box))

@@ -169,10 +169,8 @@ class Training:
     def __str__(self) -> str:
         held_out, settings = one_line(self.training_data.held_out), self.model.settings
         cascade = f"lets {self.n_kept:,} through"
-        if settings.cascade in (
-            "calibrated",
-            "hard",
-        ):  # keeps its share by construction
+        # these cascades keep their share by construction
+        if settings.cascade in ("calibrated", "hard"):
             share = f"{100 * settings.kept_share:g} %"
             cascade = f"was calibrated to let {share} of the held-out ones through"
         lines = [
