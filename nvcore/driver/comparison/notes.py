@@ -50,9 +50,8 @@ def _seen(result: Result) -> Iterator[Note]:
     if n_seldom := _n(driver.is_seldom_seen):
         yield Note("driver.seldom", n=n_seldom, n_seen=driver.n_seen, share=SELDOM)
     n_open = _n(driver.is_within_sd)
-    is_said = are_all_open(result) and not doubt_of_estimator(
-        result
-    )  # `no_claim` covers these cases
+    # `no_claim` covers these cases
+    is_said = are_all_open(result) and not doubt_of_estimator(result)
     if n_open and not is_said:
         yield Note(
             "driver.open",

@@ -118,9 +118,8 @@ class Regression:
         """
         values = (features[:, self.columns] - self.centre) / self.scale
         estimate = np.empty(len(values))
-        for start in range(
-            0, len(values), _ROWS_AT_ONCE
-        ):  # in blocks, as all kernel values at once would not fit into memory
+        # in blocks, as all kernel values at once would not fit into memory
+        for start in range(0, len(values), _ROWS_AT_ONCE):
             rows = values[start : start + _ROWS_AT_ONCE]
             estimate[start : start + len(rows)] = self._kernel(rows) @ self.weights
         return np.clip(estimate + self.offset, 0.0, 1.0)

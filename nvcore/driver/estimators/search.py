@@ -123,9 +123,8 @@ def fit(
     chosen = features[:, columns]
     centre = chosen.mean(axis=0)
     scale = chosen.std(axis=0)
-    scale[scale <= 1e-12 * np.maximum(np.abs(centre), 1.0)] = (
-        1.0  # a constant feature has no information
-    )
+    # a constant feature has no information
+    scale[scale <= 1e-12 * np.maximum(np.abs(centre), 1.0)] = 1.0
     machine = SVR(
         kernel=settings.kernel,
         C=settings.cost,

@@ -265,8 +265,8 @@ def adaptation_clock(
 def with_change(clock: AdaptationClock, fps: float, change_s: float) -> AdaptationClock:
     """Return the clock as if it had also become dark at `change_s`.
 
-    The simulated adaptation lasts until the next real change. The end of an earlier real change
-    does not end it. The light stays the same, since its simulated level is unknown.
+    The simulated adaptation lasts until the next real change, and does not resume when the light is
+    back after that. The light stays the same, since its simulated level is unknown.
 
     Parameters
     ----------

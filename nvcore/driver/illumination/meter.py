@@ -49,10 +49,9 @@ class LightSource(StrEnum):
 class Light:
     """Brightness over time.
 
-    A reading is valid until the next one, for at most a second or the median step if that is
-    longer. Readings that are further apart leave a *gap*, in which the light is unknown. If the
-    median step exceeds a second, a reading may come late by another step without a gap. Between
-    gaps there is a *stretch* of readings.
+    A reading is valid until the next one. Readings more than a second and more than two median steps
+    apart leave a *gap*, and those between two gaps are a *stretch*. The last reading of a stretch is
+    valid for a second, or for the median step if that is longer. After it the light is unknown.
 
     Attributes
     ----------
@@ -119,9 +118,8 @@ class Light:
     ) -> NDArray[np.float64]:
         """Return the value of the last reading at or before each time, NaN before the first."""
         place = np.searchsorted(self.time_s, time_s, side="right") - 1
-        last: NDArray[np.float64] = np.append(values, np.nan)[
-            place
-        ]  # index -1 stands for times before the first reading
+        # index -1 stands for times before the first reading
+        last: NDArray[np.float64] = np.append(values, np.nan)[place]
         return last
 
 

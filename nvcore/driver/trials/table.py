@@ -150,8 +150,8 @@ def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
 
     A subject is odd for any of these reasons (all limits are our choice, and need 10 trials):
 
-    - the share right differs by more than 0.25 from the others' responses to the same pictures at
-      the same periods, which also lie outside the Wilson interval of the share;
+    - the share right differs by more than 0.25 from the share expected from the others' responses
+      to the same pictures at the same periods, which is also outside its Wilson interval;
     - they miss more than a quarter of what nine tenths of the others see;
     - their touches are not better than on other pictures (one-sided binomial test, 0.05);
     - half of their touches or more are in one place that has less than half as many pedestrians;
