@@ -118,9 +118,8 @@ def simulate(
     took = took * np.where(rng.random(n) < storage.slow, storage.times, 1.0)
     took += storage.requests * storage.request_s
     plan_s = costs.plan_s * recordings
-    pages_s = (
-        n / 1000 * storage.request_s
-    )  # listings of finished batches return a thousand names at a time
+    # listings of finished batches return a thousand names at a time
+    pages_s = n / 1000 * storage.request_s
     open_s = costs.open_s * recordings + costs.plan_bytes * recordings / storage.each + 4 * pages_s
     ready = plan_s + costs.start_s + open_s
     free = [ready] * workers
