@@ -46,7 +46,7 @@ __all__ = ["all_recordings", "generate", "tables"]
 
 
 def tables(recordings: Iterable[Recording]) -> dict[str, pd.DataFrame]:
-    """Truth and detections of recordings, one table per file name.
+    """Return truth and detections of recordings, one table per file name.
 
     The same recordings give the same tables on every call.
     """

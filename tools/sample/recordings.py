@@ -14,14 +14,14 @@ SUMMER: Final = Climate(road=134, grass=108, sky=62, haze=106, things=122, skin=
 
 
 def _along(x: float, z: float, speed: float) -> tuple[tuple[float, float, float], ...]:
-    """Walk straight along the road. `speed` is negative towards the car."""
+    """Return a straight walk along the road. `speed` is negative towards the car."""
     return ((0.0, x, z), (15.0, x, z + 15 * speed))
 
 
 def _across(
     z: float, start_s: float, x0: float, x1: float, speed: float
 ) -> tuple[tuple[float, float, float], ...]:
-    """Stand at x0, walk across to x1 from `start_s` on, and stay."""
+    """Return a path that stays at x0, crosses to x1 from `start_s` on, and stays there."""
     end_s = start_s + abs(x1 - x0) / speed
     return ((0.0, x0, z), (start_s, x0, z), (end_s, x1, z + 0.3), (end_s + 20, x1, z + 0.3))
 
