@@ -71,9 +71,8 @@ def first_shown(course: pd.DataFrame) -> int:
 @st.fragment
 def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
     """Draw the parts of the page that follow the current frame. A click in one moves all."""
-    if (
-        chosen_encounter(result) != store.DRIVER_SHOWN.get()[1]
-    ):  # another one was selected in the picture
+    # another one was selected in the picture
+    if chosen_encounter(result) != store.DRIVER_SHOWN.get()[1]:
         st.rerun()
     settled = compared_viewer.settled(KEY)
     if settled != state.row():
