@@ -202,11 +202,8 @@ def cost_map_of(recording: int) -> CostMap:
 
 def thumbnail(what: Hashable, draw: Callable[[], bytes]) -> bytes:
     """Return a cached picture of a frame, or part of it, with its boxes."""
-    key = (
-        state.workspace().version,
-        stretch(),
-        what,
-    )  # a new version of the pictures invalidates all
+    # a new version of the pictures invalidates all
+    key = (state.workspace().version, stretch(), what)
     return state.cached("thumbnails", key, draw, most=MOST_THUMBNAILS)
 
 
