@@ -8,7 +8,6 @@ from ui.data.opening import draw_outcome, new_place
 
 st.title("Data")
 for draw in (draw_outcome, choose.draw, findings.draw, compare.draw, inputs.draw):
-    with new_place(
-        draw
-    ):  # separate containers, so that an upload continues when the content above it changes
+    # separate containers, so that an upload continues when the content above it changes
+    with new_place(draw):
         draw()

@@ -14,9 +14,8 @@ def draw(result: Result) -> None:
     """Draw the verdict, then its basis."""
     draw_operating_point(result)
     room, before = verdict.VerdictBox(result), known_evidence(result)
-    is_new = (
-        not room.holds_last()
-    )  # otherwise the previous content stays until there is a newer one
+    # otherwise the previous content stays until there is a newer one
+    is_new = not room.holds_last()
     if is_new:
         room.draw_known(before)
     left, right = st.columns([1.5, 1], gap="large")
