@@ -49,9 +49,10 @@ class LightSource(StrEnum):
 class Light:
     """Brightness over time.
 
-    A reading is valid until the next one. Readings more than a second and more than two median steps
-    apart leave a *gap*, and those between two gaps are a *stretch*. The last reading of a stretch is
-    valid for a second, or for the median step if that is longer. After it the light is unknown.
+    A reading is valid until the next one. Readings that are more than a second and more than two
+    median steps apart leave a *gap*. Readings between two gaps are a *stretch*. The last reading of
+    a stretch is valid for a second, or for the median step if that is longer. After that the light
+    is unknown.
 
     Attributes
     ----------
