@@ -38,7 +38,7 @@ first frame with a changed number or line, and until the page is at rest, median
 Load of the machine when it began: {load:.1f}.
 """
 
-# What a person sees change: numbers of the scorecard, lines of the time plot, any text of the rest.
+# Visible changes: numbers of the scorecard, lines of the time plot, any text of the rest.
 SEEN = """() => [...document.querySelectorAll(".nv-scorecard td, .nv-tiles [data-value]")]
     .map((cell) => cell.textContent).join()
   + [...document.querySelectorAll("[class*=st-key-time_plot_] path.js-line")]

@@ -57,7 +57,7 @@ def detect(arguments: DetectArguments) -> WrittenRun:
     If an input or the model cannot be used, an output would replace an input, or no evaluated frame
     has a picture.
     MissingFactError
-        As `load`.
+        As for `load`.
     MissingExtraError
         If the extra ``detectors``, or for ONNX files ``onnx``, is not installed.
 
@@ -106,7 +106,7 @@ def detector_job(
     Raises
     ------
     InputError, MissingFactError, MissingExtraError
-        As `detect`.
+        As for `detect`.
     """
     with needs("detectors", "detectors need"):
         from nvcore.detectors.findings import trained_findings
@@ -193,7 +193,7 @@ def train(arguments: TrainArguments) -> Training:
     InputError
         If an input cannot be used or would be replaced, or there is nothing to learn.
     MissingFactError
-        As `load`.
+        As for `load`.
     ParameterError
         If a setting cannot be used.
     MissingExtraError

@@ -48,7 +48,7 @@ class RecordingRun:
     n_listed
         Number of evaluated frames.
     note
-        Why frames have no picture, or an empty text.
+        Reason why frames have no picture, or an empty text.
     """
 
     name: str

@@ -261,14 +261,14 @@ class DriverRecording:
     opened
         Pictures of visible light if the session names them, else the recording's own.
     gaze, light
-        None: a point is assumed; there is no light meter.
+        Gaze points and light readings. None: a fixation is assumed, or there is no light meter.
 
     Attributes
     ----------
     index
         Picture of each frame, -1 none, int64.
     picture_note
-        Why frames have no picture, or an empty text.
+        Reason why frames have no picture, or an empty text.
     is_visible
         True if the session declares the pictures as visible light.
     to_picture

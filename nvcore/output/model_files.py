@@ -170,7 +170,7 @@ class ModelFormat(Generic[A]):
         Raises
         ------
         InputError
-            Of the type `error`, if the file cannot be opened.
+            If the file cannot be opened. Its type is `error`.
         """
         try:
             with path.open("rb") as file:
@@ -194,7 +194,7 @@ class ModelFormat(Generic[A]):
         Raises
         ------
         InputError
-            Of the type `error`, if the file is damaged or its content is invalid.
+            If the file is damaged or its content is invalid. Its type is `error`.
         """
         try:
             about, arrays = self._unpack(content)

@@ -1,7 +1,7 @@
 """Search for inputs that end in neither a result nor an error that explains the problem.
 
     python -m scripts.fuzz [TARGET ...] [--seconds 600]    all targets, or these, one after another
-    python -m scripts.fuzz [TARGET ...] --runs 100000      so many inputs of each, changed blindly
+    python -m scripts.fuzz [TARGET ...] --runs 100000      this many random inputs of each
     python -m scripts.fuzz TARGET --again FILE             one input, with its traceback
 
 External files, requests and rules are derived from small valid ones by changes that reach new lines

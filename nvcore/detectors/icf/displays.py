@@ -212,7 +212,7 @@ def truth_paths(model: IcfModel, picture: Picture, boxes: NDArray[np.float64]) -
     Raises
     ------
     DetectorError, ParameterError
-        As `preparation` and `window_of`.
+        As for `preparation` and `window_of`.
     """
     settings, height, width = model.settings, *picture.shape[:2]
     paths = []

@@ -230,7 +230,7 @@ class Estimator:
     qualities
         Quality of each regression, in the same order.
     origin
-        What they were trained on.
+        Training data.
     feature_settings
         Settings of the feature computation. None: unknown.
     """

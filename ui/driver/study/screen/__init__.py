@@ -5,9 +5,9 @@ animation clock, and sends each answer to the study's route at once. Python is n
 and of a stop.
 
     clock.js     frames of the animation, and waiting for them
-    drawing.js   what is on the canvas: light, pictures, crosses
+    drawing.js   content of the canvas: light, pictures, crosses
     sending.js   pictures from the app, answers to it, which wait in the tab until they are kept
-    run.js       the order of things; what Streamlit calls
+    run.js       sequence of a run, with the entry point for Streamlit
 """
 
 from __future__ import annotations
