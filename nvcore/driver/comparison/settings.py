@@ -12,7 +12,7 @@ DRIVER: Final = Stage(
 )
 
 RESULTS: Final = (DRIVER,)
-"""Stages whose results depend on these settings."""
+"""Stages whose results are shown."""
 
 
 def _has_detectability(dataset: Any) -> bool:
