@@ -308,10 +308,10 @@ def main() -> int:
         if not (checkout / ".venv" / "bin" / "nvcore").is_file():
             print(f"{checkout}: has no .venv/bin/nvcore; run make run in it once", file=sys.stderr)
             return 2
-    realdata = Path(os.environ.get("NVCORE_REALDATA") or "realdata").resolve()
+    realdata = Path(os.environ.get("NVCORE_REALDATA") or os.devnull).resolve()
     comparisons: Sequence[Comparison] = COMPARISONS
     if not realdata.is_dir():
-        print(f"no real recordings in {realdata}: sessions of the sample only; set NVCORE_REALDATA")
+        print("no real recordings: only the sample is compared; set NVCORE_REALDATA")
         comparisons = [item for item in comparisons if "{realdata}" not in item.text]
     ranges = json.loads(
         subprocess.run(
