@@ -17,9 +17,10 @@ from nvcore.wording import count_text
 N_COLUMNS: Final = 128
 N_ROWS: Final = 96
 LEAST_BOXES: Final = 10
-"""Boxes from which on a line is drawn through them."""
+"""Fewest boxes through which a line is fitted."""
 LEAST_SPREAD: Final = 0.01
-"""Standard deviation of their foot rows that a line needs, as a share of the picture's height."""
+"""Least standard deviation of the foot rows for fitting a line, as a share of the picture's height.
+"""
 
 Basis = Literal["height", "horizon", "distance", "none", "one height"]
 
@@ -28,28 +29,29 @@ Basis = Literal["height", "horizon", "distance", "none", "one height"]
 class CostMap:
     """Cost of missing a pedestrian, ``k * border / (W/2)``, on a grid over one recording's picture.
 
+    The weight k depends only on the row of the feet, the border only on the lateral position.
+
     The weight k follows from the row of the feet alone, the border from the lateral position alone.
 
     Attributes
     ----------
     centre_px
-        Lateral positions, the middles of equal columns of the picture; float64, (n_columns,).
+        Lateral positions: centres of equally wide columns; float64, (n_columns,).
     foot_px
-        Foot rows, the middles of equal rows of the picture; float64, (n_rows,).
+        Foot rows: centres of equally high rows; float64, (n_rows,).
     border
         Border of each position as a share of W/2, 0 to 1; float64, (n_columns,).
     k
-        Weight of a pedestrian with their feet in each row, in (0, 1); NaN where none can stand, at
-        the horizon and above it; float64, (n_rows,).
+        Weight of a pedestrian with their feet in each row, in (0, 1); NaN at and above the horizon,
+        where nobody can stand; float64, (n_rows,).
     basis
-        What k follows from: ``height`` (the height that pedestrians of this recording have with
-        their feet in that row), ``distance`` (their distance, likewise), ``horizon`` (the row
-        itself), ``none`` (k is 1), or ``one height``: no line goes through the boxes, and k is that
-        of a pedestrian of `height_px` in every row.
+        Source of k: ``height`` (typical height of this recording's pedestrians with their feet in
+        that row), ``distance`` (their typical distance), ``horizon`` (the row itself), ``none`` (k
+        is 1) or ``one height`` (no line fits the boxes, so every row uses `height_px`).
     n_boxes
-        Boxes that the line goes through.
+        Number of boxes that the line was fitted to.
     height_px
-        With ``one height``: that height; else NaN.
+        Height used with ``one height``, px; otherwise NaN.
     """
 
     centre_px: np.ndarray
@@ -62,13 +64,16 @@ class CostMap:
 
     @property
     def cost(self) -> np.ndarray:
-        """Cost at each position, 0 to 1, NaN where none can stand, float64, (n_rows, n_columns)."""
+        """Cost at each position, 0 to 1, float64, (n_rows, n_columns).
+
+        NaN where nobody can stand.
+        """
         cost: np.ndarray = np.outer(self.k, self.border)
         return cost
 
     @property
     def text(self) -> str:
-        """Explanation of what the weight is based on, as a template with words for the objects."""
+        """Explanation of the weight's source, as a template with words for the objects."""
         boxes = count_text(self.n_boxes, "box", "boxes")
         return {
             "height": f"height by foot row, a line through {boxes} of this recording",
@@ -93,7 +98,10 @@ class FootLine(NamedTuple):
 
 
 def fit_line(foot_px: np.ndarray, value: np.ndarray, *, height: float) -> FootLine | None:
-    """Fit a least-squares line of a value against the foot row, or None if it is not reliable.
+    """Fit a least-squares line of a value against the foot row, or return None if unreliable.
+
+    The line is unreliable with fewer than `LEAST_BOXES` boxes, if all feet are in about the same
+    row, or if the value does not grow downwards.
 
     It is unreliable with fewer than `LEAST_BOXES` boxes, with feet all in about the same
     row, or if the value does not grow downwards.
@@ -103,7 +111,7 @@ def fit_line(foot_px: np.ndarray, value: np.ndarray, *, height: float) -> FootLi
     foot_px, value
         float64, shape (n,).
     height
-        Of the picture, px.
+        Height of the picture, px.
     """
     if len(foot_px) < LEAST_BOXES or foot_px.std() < LEAST_SPREAD * height:
         return None
@@ -125,19 +133,19 @@ def map_cost(
 ) -> CostMap:
     """Compute the cost of missing a pedestrian at each position in a recording's picture.
 
-    With proximity by height, the height in each foot row is taken from a straight line through
-    the recording's boxes, those that the picture's upper or lower edge cuts left out; on flat
-    ground height grows linearly with the foot row. With proximity by distance, so does the inverse
-    of the distance; without distances, the height is used, as for the boxes themselves. Where no
-    line can be relied on, the map is that of the boxes' median height (without boxes: of the
-    midpoint) and varies with the lateral position alone.
+    With proximity by height, a straight line through the recording's boxes gives the height in each
+    foot row, because height grows linearly with the foot row on flat ground. Boxes cut by the
+    picture's upper or lower edge are left out. With proximity by distance, the line gives the
+    inverse of the distance; recordings without distances use the height, as the boxes themselves
+    do. If no line is reliable, every row has the boxes' median height (the midpoint if there are no
+    boxes), and the cost varies only with the lateral position.
 
     Parameters
     ----------
     truth
-        Boxes of all recordings; those to be ignored are left out.
+        Boxes of all recordings; ignored boxes are skipped.
     recording
-        Row of the recordings.
+        Row in the table of recordings.
     n_rows, n_columns
         Size of the grid.
 

@@ -1,7 +1,7 @@
 """Classes of encounters from attributes in the truth, from box geometry, and from codes.
 
-The derived classes are our choice (docs/metrics.md, classes of encounters). All depend on the truth
-and on the coded intervals alone, and on no parameter.
+The derived classes are our choice (docs/metrics.md, classes of encounters). All classes depend only
+on the truth and on the coded intervals, not on any parameter.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ CHILD: Final = "child"
 DERIVED: Final = (CROSSING, IN_ROAD, GROUP, CHILD)
 
 CROSSING_REACH: Final = 0.1
-"""Who crosses has been so far left and so far right of the middle, fractions of W/2."""
+"""Least distance of a crossing pedestrian from the middle, once on each side, as a share of W/2."""
 STATURE_M: Final = 1.7
-"""Height of a person, which converts pixels to metres at their distance."""
+"""Assumed height of a person, which converts pixels to metres at their distance."""
 LANE_M: Final = 3.5
-"""In the road: at most a lane's width beside the camera's axis, in at least half of the frames."""
+"""Largest distance from the camera's axis of a pedestrian in the road, in half of the frames."""
 COMPANY_M: Final = 1.5
-"""In a group: another one is no farther to the side, in at least half of the frames ..."""
+"""Largest lateral distance between members of a group, in at least half of the frames."""
 ALIKE: Final = 1.25
-"""... and about as far away: the heights are within this factor."""
+"""Largest ratio of heights of group members, so that they are about equally far away."""
 CHILD_SHARE: Final = 0.75
-"""A child is at most this share of the median pedestrian tall (1.7 m: 1.28 m)."""
+"""Largest height of a child as a share of the median pedestrian's (1.7 m: 1.28 m)."""
 LEAST_COMPARED: Final = 5
-"""Fewest encounters whose median may stand for a grown person."""
+"""Fewest encounters whose median may stand for an adult."""
 LEAST_DEPTH_PX: Final = 5.0
-"""Least depth of a foot point below the horizon from which a stature is taken."""
+"""Least depth of a foot point below the horizon for deriving a stature."""
 
 
 @dataclass(frozen=True)
@@ -50,16 +50,16 @@ class EncounterClasses:
     Attributes
     ----------
     attributes
-        The most frequent text of the truth's column `attributes` over the encounter's frames, of
-        those equally frequent the first; empty where there is none. Object, shape (n,).
+        Most frequent text of the truth's column `attributes` over the encounter's frames (the first
+        one on a tie, empty if there is none); object, shape (n,).
     members
-        Encounters of each class by its name, those of the truth first, by name, then the codes, by
-        name, and `NO_CODE`, then `DERIVED`; bool, shape (n,). A class that two of these name has
-        the encounters of both. Classes without an encounter are left out.
+        Encounters of each class, by class name; bool, shape (n,). Order: classes of the truth by
+        name, codes by name, `NO_CODE`, `DERIVED`. If two sources name the same class, it has the
+        encounters of both. Classes without encounters are left out.
     named
-        The classes that the truth names.
+        Classes that the truth names.
     coded
-        The codes, and `NO_CODE` (of recordings with any); none without coded intervals.
+        The codes and `NO_CODE`; empty without coded intervals.
     """
 
     attributes: np.ndarray
@@ -82,7 +82,7 @@ class EncounterClasses:
 
 
 def classes_of(dataset: Dataset) -> EncounterClasses:
-    """Return the classes of a dataset's encounters. Cached, as they depend on no setting."""
+    """Return the classes of a dataset's encounters. The result is cached: no setting changes it."""
     key = "encounter_classes", dataset.objects, dataset.settings.codes
     if key not in dataset.derived:
         _, encounters = encounters_of(dataset)
@@ -128,7 +128,7 @@ def texts_of_truth(dataset: Dataset) -> Any:
 
 
 def _place(file: np.ndarray, line: np.ndarray) -> np.ndarray:
-    """Combine file and line numbers to one unique number each."""
+    """Combine file and line number into one unique number."""
     places: np.ndarray = file.astype(np.int64) << 32 | line.astype(np.int64)
     return places
 
@@ -139,7 +139,7 @@ def attributes_of(encounters: Encounters, texts: Any) -> np.ndarray:
     Parameters
     ----------
     texts
-        Of each truth row as `pandas.Categorical`, missing where there is none; shape (n_truth,).
+        Text of each truth row as `pandas.Categorical`, missing if it has none; shape (n_truth,).
     """
     attributes = np.full(len(encounters), "", dtype=object)
     encounter, code = encounters.encounter_of, texts.codes.astype(np.int64)
@@ -183,6 +183,9 @@ def classes_named(attributes: np.ndarray) -> dict[str, np.ndarray]:
 def find_coded(encounters: Encounters, dataset: Dataset) -> dict[str, np.ndarray]:
     """Find the encounters that overlap in time with an interval of each code, bool.
 
+    `NO_CODE` holds the other encounters of recordings with at least one interval. Recordings
+    without any may not have been coded at all. The result is empty without coded intervals.
+
     `NO_CODE` are the others of recordings with an interval: of the rest nobody knows whether they
     were coded. Nothing without coded intervals.
     """
@@ -207,6 +210,8 @@ def find_coded(encounters: Encounters, dataset: Dataset) -> dict[str, np.ndarray
 def find_crossing(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
     """Return which pedestrians cross from one side of the picture to the other, bool.
 
+    They are at least `CROSSING_REACH` left of the middle in one frame and right of it in another.
+
     They are at least `CROSSING_REACH` to the left of its middle once, and to the right once.
     """
     side = _signed_offset(encounters, truth, frames)
@@ -219,7 +224,9 @@ def find_crossing(encounters: Encounters, truth: BoxColumns, frames: FrameColumn
 
 
 def find_in_road(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
-    """Find pedestrians in the car's path, within `LANE_M` in half of the frames or more, bool.
+    """Return which pedestrians are within `LANE_M` of the car's axis in half of the frames or more.
+
+    The result is bool. The lateral distance in metres follows from the box height and `STATURE_M`.
 
     Metres to the side of the camera's axis come from the height of the box, which stands for
     `STATURE_M`.
@@ -231,7 +238,10 @@ def find_in_road(encounters: Encounters, truth: BoxColumns, frames: FrameColumns
 
 
 def find_groups(encounters: Encounters, truth: BoxColumns) -> np.ndarray:
-    """Find pedestrians with another one beside them in half of the frames or more, bool.
+    """Return which pedestrians have another one beside them in at least half of the frames, bool.
+
+    Beside means at most `COMPANY_M` to the side, scaled by the taller one's height, with heights
+    that differ by a factor of at most `ALIKE`.
 
     Beside: at most `COMPANY_M` to the side, by the taller one's height, and heights `ALIKE`.
     """
@@ -259,6 +269,11 @@ def find_groups(encounters: Encounters, truth: BoxColumns) -> np.ndarray:
 def find_children(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
     """Return which pedestrians are small for their distance, bool.
 
+    Stature is height times distance, or else height over the foot point's depth below the horizon.
+    It is compared with the median of all encounters whose stature is known in the same way (at
+    least `LEAST_COMPARED`, from one and the same camera). Boxes cut by the picture's edge have
+    none.
+
     Stature is height times distance, else height over the foot point's depth below the horizon,
     each relative to the median of all encounters of which it is known in the same way (at least
     `LEAST_COMPARED`, and the same camera throughout). Boxes cut by the picture's edge have none.
@@ -285,7 +300,9 @@ def find_children(encounters: Encounters, truth: BoxColumns, frames: FrameColumn
 
 
 def _signed_offset(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
-    """Return each box's lateral position: -1 left edge, 0 middle, 1 right edge of the picture.
+    """Return each box's lateral position in the order of `encounters.order`.
+
+    -1 is the left edge of the picture, 0 its middle, 1 its right edge.
 
     In the order of `encounters.order`.
     """
@@ -300,7 +317,7 @@ def _in_half_of_frames(encounters: Encounters, holds: np.ndarray) -> np.ndarray:
     Parameters
     ----------
     holds
-        For each row of `encounters.order`.
+        Whether each row of `encounters.order` meets the condition.
     """
     starts = encounters.offsets[:-1]
     if not len(starts):

@@ -1,4 +1,4 @@
-"""Encounters: one pedestrian of one recording, and how each system did with it."""
+"""Encounters (one pedestrian of one recording), and each system's performance in them."""
 
 from __future__ import annotations
 
@@ -26,25 +26,25 @@ def mostly_one_frame(n_frames: np.ndarray) -> bool:
     Parameters
     ----------
     n_frames
-        Annotated frames of each; shape (n,).
+        Annotated frames of each encounter; shape (n,).
     """
     return bool(np.count_nonzero(n_frames == 1) > SHORT_SHARE * len(n_frames))
 
 
 @dataclass(frozen=True)
 class Encounters:
-    """The encounters of a dataset and what does not depend on any parameter.
+    """The encounters of a dataset and their properties that do not depend on any parameter.
 
     Attributes
     ----------
     recording, track
-        Of each encounter, sorted by both; int32 and int64, shape (n,).
+        Recording and track of each encounter, sorted by both; int32 and int64, shape (n,).
     encounter_of
         Encounter of each truth row, -1 for ignored boxes; int64, shape (n_truth,).
     order, offsets
         ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e, by frame.
     frame_index
-        Frame row of each of these rows, in their order; int64.
+        Frame row of each truth row in `order`; int64.
     first_row, last_row
         Frame rows of the first and the last annotated frame; int64, shape (n,).
     n_frames
@@ -82,7 +82,10 @@ class Encounters:
 
 
 def encounters_of(dataset: Dataset) -> tuple[TruthTracks, Encounters]:
-    """Tracks and encounters of a dataset's ground truth; kept, since no setting moves them."""
+    """Return the tracks and encounters of a dataset's ground truth.
+
+    The result is cached: no setting changes it.
+    """
     if "encounters" not in dataset.derived:
         truth, frames = dataset.truth, dataset.frame_columns
         occlusion = dataset.boxes["occlusion"].to_numpy()[: len(truth)]
@@ -103,7 +106,9 @@ def find_encounters(
     *,
     each_alone: bool = False,
 ) -> Encounters:
-    """Group the pedestrians of the ground truth into encounters; ignored boxes belong to none.
+    """Group the pedestrians of the ground truth into encounters.
+
+    Ignored boxes belong to none.
 
     Parameters
     ----------
@@ -112,7 +117,7 @@ def find_encounters(
     occlusion
         0 none, 1 partial, 2 heavy, -1 unknown; int8, shape (n_truth,).
     each_alone
-        Whether recordings are not compared with each other: then there are no z-scores.
+        True if recordings must not be compared with each other, which leaves out z-scores.
     """
     recording = frames.recording[truth.frame_index]
     code, key_recording, key_track = _number_encounters(recording, track, ~truth.ignore)
@@ -156,7 +161,7 @@ def find_encounters(
 
 
 def _sum(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Sum of every non-empty segment."""
+    """Sum each segment. Segments must not be empty."""
     if not len(starts):
         return np.empty(0)
     total: np.ndarray = np.add.reduceat(values, starts, dtype=float)
@@ -166,7 +171,7 @@ def _sum(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
 def _number_encounters(
     recording: np.ndarray, track: np.ndarray, is_member: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Encounter of each row (-1: none), and recording and track of each encounter, sorted."""
+    """Return each row's encounter (-1: none), and each encounter's recording and track, sorted."""
     small, track_ids = track, None
     if len(track) and (track.min() < -1 or track.max() >= 2**31 - 1):
         small, track_ids = pd.factorize(track, sort=True)  # ids such as timestamps
@@ -201,7 +206,11 @@ def judge_encounters(
     frames: FrameColumns,
     params: Params,
 ) -> pd.DataFrame:
-    """How one system did in every encounter.
+    """Measure one system's performance in every encounter.
+
+    Frames with ``k >= 0.5`` are relevant. An encounter is detected if the share of matched relevant
+    frames is at least ``coverage`` and not 0. Distant encounters (without relevant frames) have
+    neither a class nor measures.
 
     Relevant frames have ``k >= 0.5``; the encounter is detected when the share of matched ones is
     at least ``coverage`` and not 0. Distant encounters (no relevant frame) have neither class nor

@@ -1,4 +1,4 @@
-"""False alarms, and the episodes that a driver would notice as a single alert."""
+"""False alarms, and episodes of false alarms that a driver would notice as a single alert."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EPISODE_COLUMNS = ("recording", "first_row", "last_row", "n_boxes", "duration_s"
 def find_episodes(
     detections: BoxColumns, is_false_alarm: np.ndarray, frames: FrameColumns
 ) -> pd.DataFrame:
-    """False-alert episodes: unmatched detections of one system linked over frames.
+    """Link one system's unmatched detections over frames into false-alert episodes.
 
     Returns
     -------
@@ -47,14 +47,14 @@ def find_episodes(
 
 @dataclass(frozen=True)
 class FalseAlarmSummary:
-    """False alarms of one system; 0 is best, NaN where nothing was recorded.
+    """False alarms of one system. 0 is best, NaN if nothing was recorded.
 
     Attributes
     ----------
     count
         Unmatched detections not absorbed by ignore regions.
     per_frame, per_minute
-        Of listed frames; of recording time.
+        Rates by listed frames and by recording time.
     episodes, episodes_per_hour
         Runs that a driver would notice as a single false alert.
     mean_episode_s, longest_episode_s
@@ -73,7 +73,7 @@ class FalseAlarmSummary:
 def summarise_false_alarms(
     count: int, episodes: pd.DataFrame, *, n_frames: int, duration_s: float
 ) -> FalseAlarmSummary:
-    """Rates of false alarms over `n_frames` listed frames and `duration_s` of recording."""
+    """Compute false-alarm rates over `n_frames` listed frames and `duration_s` of recording."""
     nan = float("nan")
     lengths = episodes["duration_s"]
     return FalseAlarmSummary(

@@ -25,9 +25,9 @@ def pair_detections(
     *,
     iou: float = 0.5,
 ) -> np.ndarray:
-    """Row of Y's detection paired with each of X's, -1 none; int64, shape (n_x,).
+    """Return the row of Y's detection paired with each of X's, or -1, int64, shape (n_x,).
 
-    In each frame pairs are made greedily by descending IoU, down to `iou`.
+    Within each frame, detections are paired greedily by descending IoU, down to `iou`.
 
     Parameters
     ----------
@@ -54,7 +54,10 @@ def fuse(
     *,
     iou: float = 0.5,
 ) -> Dataset:
-    """The dataset with ``X or Y`` and ``X and Y`` as its two systems.
+    """Return the dataset with ``X or Y`` and ``X and Y`` as its two systems.
+
+    ``X or Y`` has X's box of every pair and all unpaired boxes of both. ``X and Y`` has only X's
+    box of every pair. Fused boxes carry no score.
 
     ``X or Y``: every pair once, by X's box, and all unpaired boxes of both; ``X and Y``: the pairs
     only, by X's box. Fused boxes carry no score.
@@ -85,6 +88,6 @@ def fuse(
         systems=(f"{x_name} or {y_name}", f"{x_name} and {y_name}"),
         settings=Settings(),
     )
-    # of the systems that were there, or a pedestrian would weigh otherwise for the fused ones
+    # borrow from the original systems, or pedestrians would weigh differently for the fused ones
     share_borrowed(dataset, fused)
     return fused

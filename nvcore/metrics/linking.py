@@ -1,4 +1,4 @@
-"""Track ids where the files have none, and one system's boxes linked into episodes."""
+"""Track ids for files without any, and linking of one system's boxes into episodes."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ class TruthTracks:
     Attributes
     ----------
     track
-        int64, shape (n_truth,); ignored boxes keep what the files say.
+        int64, shape (n_truth,); ignored boxes keep the id from the file.
     linked_recordings
-        Rows of the recordings in which tracks were made by linking.
+        Rows of the recordings whose tracks were created by linking.
     """
 
     track: np.ndarray
@@ -34,7 +34,11 @@ class TruthTracks:
 
 
 def link_boxes(boxes: BoxColumns, frames: FrameColumns, rows: np.ndarray) -> np.ndarray:
-    """Number the tracks of some boxes, from 0 over all recordings; int64, shape (len(rows),).
+    """Number the tracks of some boxes from 0 over all recordings, int64, shape (len(rows),).
+
+    Boxes of successive listed frames are linked by the assignment with the largest total IoU over
+    pairs with IoU >= 0.3. A track may be missing in up to 2 listed frames and never crosses
+    recordings.
 
     Boxes of successive listed frames are linked by the assignment with the largest total IoU
     over pairs with IoU >= 0.3; a track may be missing in up to 2 listed frames and never crosses
@@ -54,7 +58,9 @@ def link_boxes(boxes: BoxColumns, frames: FrameColumns, rows: np.ndarray) -> np.
 
 
 def track_truth(truth: BoxColumns, frames: FrameColumns) -> TruthTracks:
-    """Track of every pedestrian; those without an id are linked over the frames.
+    """Return the track of every pedestrian, linking those without an id over the frames.
+
+    New ids start after the largest id of their recording, so that no id of the file is used twice.
 
     New ids follow the largest id of their recording, so that none of the file's is used twice.
     """

@@ -1,4 +1,4 @@
-"""What frames lose of similarity: per minute, and in the worst window."""
+"""Similarity lost by frames: per minute, and in the worst window."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ from nvcore.columns import FrameColumns
 
 
 def lost_per_minute(similarity: np.ndarray, step_s: np.ndarray) -> float:
-    """Lost similarity: the sum of ``(1 - M) * time step``, seconds per minute of recording.
+    """Compute the lost similarity in seconds per minute of recording.
+
+    This is the sum of ``(1 - M) * time step``. 0 is best, 60 means a similarity of 0 throughout,
+    NaN means no frames.
 
     0 is best, 60 a similarity of 0 throughout; NaN without frames.
 
     Parameters
     ----------
     similarity, step_s
-        Of every frame, 0 to 1, and its time step, seconds; float64, shape (n_frames,).
+        Similarity (0 to 1) and time step (seconds) of every frame; float64, shape (n_frames,).
     """
     if not len(similarity):
         return float("nan")
@@ -26,16 +29,16 @@ def lost_per_minute(similarity: np.ndarray, step_s: np.ndarray) -> float:
 
 
 class Window(NamedTuple):
-    """Frames within half a window of one frame.
+    """Frames within half a window of a frame.
 
     Attributes
     ----------
     row
-        The frame in the middle, a row of the frames table; -1: there is none.
+        Middle frame, a row of the frames table; -1 if there is no window.
     mean
-        Mean similarity of its frames, 1 is best; NaN if there is none.
+        Mean similarity of the frames, 1 is best; NaN if there is no window.
     lost_s
-        Sum of ``(1 - M) * time step`` of its frames, seconds.
+        Sum of ``(1 - M) * time step`` over the frames, seconds.
     """
 
     row: int
@@ -49,14 +52,14 @@ NO_WINDOW: Final = Window(-1, float("nan"), float("nan"))
 def find_worst_windows(
     similarity: np.ndarray, moving_mean: np.ndarray, frames: FrameColumns, *, window: float = 1.0
 ) -> tuple[Window, ...]:
-    """The window with the lowest moving mean of each recording, the first of equals.
+    """Find the window with the lowest moving mean in each recording, the first one on a tie.
 
     Parameters
     ----------
     similarity
-        Of every frame, 0 to 1; float64, shape (n_frames,).
+        Similarity of every frame, 0 to 1; float64, shape (n_frames,).
     moving_mean
-        Of `smooth` with the same window; float64, shape (n_frames,).
+        Result of `smooth` for the same window; float64, shape (n_frames,).
     """
     start, stop = frames.within(window)
     lost_s = frames.sums((1 - similarity) * frames.step_s, start, stop)

@@ -1,4 +1,4 @@
-"""Which detection belongs to which pedestrian, frame by frame."""
+"""Matching of detections to pedestrians, frame by frame."""
 
 from __future__ import annotations
 
@@ -37,31 +37,33 @@ class Matches:
 
     @property
     def is_counted(self) -> np.ndarray:
-        """Detections that belong to S: above the threshold and not absorbed; bool, (n_det,)."""
+        """Detections that belong to S (above the threshold, not absorbed), bool, (n_det,)."""
         in_s = (DetectionState.MATCHED, DetectionState.FALSE_ALARM)
         is_in_s: np.ndarray = np.isin(self.state, in_s)
         return is_in_s
 
     @property
     def is_false_alarm(self) -> np.ndarray:
-        """Detections that match nobody and are not absorbed; bool, (n_det,)."""
+        """Detections that match no pedestrian and are not absorbed, bool, (n_det,)."""
         alarms: np.ndarray = self.state == DetectionState.FALSE_ALARM
         return alarms
 
     @property
     def n_absorbed(self) -> int:
-        """Detections above the threshold on people or regions that the truth ignores."""
+        """Number of detections above the threshold on people or regions that the truth ignores."""
         return int(np.count_nonzero(self.state == DetectionState.ABSORBED))
 
     @property
     def is_matched(self) -> np.ndarray:
-        """Truth boxes that the system matched; bool, (n_truth,)."""
+        """Truth boxes that the system matched, bool, (n_truth,)."""
         has_detection: np.ndarray = self.truth_det >= 0
         return has_detection
 
 
 def match_system(dataset: Dataset, name: str, threshold: float | None, params: Params) -> Matches:
-    """Match all detections of a system; see `match_boxes`.
+    """Match all detections of a system with `match_boxes`.
+
+    The dataset caches the latest result with a threshold and the latest without.
 
     The latest is kept with the dataset, and the latest without a threshold.
     """
@@ -88,6 +90,13 @@ def match_boxes(
 ) -> Matches:
     """Match detections to pedestrians.
 
+    In each frame, detections in descending score order (file order on ties, those without a score
+    last) each take the free pedestrian with the highest IoU, if it is at least `iou`. With
+    ``match="lateral"`` they take the nearest free one with ``|c_a - c_b| <= max(lateral_tolerance *
+    W, w_truth / 2)``. A remaining detection on an ignore region (intersection over own area >= 0.5)
+    is absorbed. With ``match_class="same"``, a pedestrian with a class is only matched by
+    detections of that class.
+
     In each frame detections in descending score (ties: file order; those without a score last)
     each take the free pedestrian of highest IoU, if it is at least `iou`; with ``match="lateral"``
     the nearest free one with ``|c_a - c_b| <= max(lateral_tolerance * W, w_truth / 2)``. What is
@@ -101,7 +110,7 @@ def match_boxes(
     frames
         The listed frames.
     params
-        Of which `match`, `iou`, `lateral_tolerance` and `match_class` are read.
+        Only `match`, `iou`, `lateral_tolerance` and `match_class` are used.
     threshold
         Detections with a lower score are left out; None: all count. A detection without a score
         passes every threshold: its system has already decided.
@@ -131,14 +140,16 @@ def match_boxes(
 
 
 def count_per_frame(boxes: BoxColumns, member: np.ndarray) -> np.ndarray:
-    """Number of boxes with ``member`` in each frame; int64, shape (n_frames,)."""
+    """Count the boxes with ``member`` in each frame, int64, shape (n_frames,)."""
     total = np.concatenate([[0], np.cumsum(member)])
     counts: np.ndarray = np.diff(total[boxes.offsets])
     return counts
 
 
 def iou_of_pairs(a: Boxes, b: Boxes) -> np.ndarray:
-    """Intersection over union of boxes with those in the same place of the other arrays.
+    """Return the intersection over union of boxes at the same position in two sets of arrays.
+
+    Arrays of different shapes are broadcast. The result is 0 for two boxes without area.
 
     Arrays of different shapes are broadcast; 0 for two boxes without area.
     """

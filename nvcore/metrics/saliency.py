@@ -30,6 +30,9 @@ EVENT_COLUMNS = (
 def qualify(distances: SetDistances, frames: FrameColumns, *, tolerance: float) -> np.ndarray:
     """Return the truth row that attains D(G, S) in each frame, -1 within tolerance, int64.
 
+    A pedestrian only qualifies if ``D(G, S) > tolerance * W/2``. Anything below is localisation
+    noise, not a miss.
+
     The pedestrian that attains D(G, S), if ``D(G, S) > tolerance * W/2``: below that it is
     localisation noise, not a miss.
     """
@@ -53,7 +56,7 @@ def qualify_each(
     Parameters
     ----------
     terms
-        Of each truth box (`nvcore.metrics.similarity.miss_terms`), px; float64, (n_truth,).
+        Term of each truth box (`nvcore.metrics.similarity.miss_terms`), px; float64, (n_truth,).
     """
     rows = encounters.order
     least = tolerance * frames.half_width[encounters.frame_index]
@@ -79,7 +82,7 @@ def recency_weight(tau: np.ndarray, rest_s: np.ndarray, params: Params) -> np.nd
     tau
         Share of the recording (or encounter) that has passed at the end of the event.
     rest_s
-        Seconds from there to its end.
+        Seconds from the end of the event to the end of the recording (or encounter).
     """
     if params.recency_unit == "seconds":
         weight: np.ndarray = scipy.special.expit(
@@ -114,14 +117,14 @@ def find_events(
     Parameters
     ----------
     k_truth, nearest_truth, track
-        Of each truth row: proximity weight, distance to the system's detections (px), track;
+        Proximity weight, distance to the system's detections (px) and track of each truth row;
         shape (n_truth,).
     d_miss, salient_row
-        D(G, S) of each frame, px, and who qualifies (`qualify`); shape (n_frames,).
+        D(G, S) of each frame, px, and the row that qualifies (`qualify`); shape (n_frames,).
     edge_weight
         Of each recording; float64, shape (n_recordings,).
     k_miss
-        What missing each truth row weighs, shape (n_truth,); None: `k_truth`.
+        Weight of missing each truth row, shape (n_truth,); None: `k_truth`.
 
     Returns
     -------

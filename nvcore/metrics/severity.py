@@ -1,4 +1,4 @@
-"""Severity: what a failure to detect a pedestrian weighs, in seconds of a full-weight miss."""
+"""Severity: the cost of failing to detect a pedestrian, in seconds of a full-weight miss."""
 
 from __future__ import annotations
 
@@ -15,7 +15,11 @@ from nvcore.metrics.kernels.frames import cost_frames
 def cost_of_miss(
     truth: BoxColumns, k_truth: np.ndarray, frames: FrameColumns, edge_weight: np.ndarray
 ) -> np.ndarray:
-    """What missing each pedestrian would cost, 0 to 1; float64, shape (n_truth,).
+    """Compute the cost of missing each pedestrian, 0 to 1, float64, shape (n_truth,).
+
+    ``k * border / (W/2)``: 1 is a near pedestrian straight ahead. The distance to the nearest
+    detection does not count, or else a system that fills the picture with false alarms would have
+    no failures.
 
     ``k * border / (W/2)``: 1 is a pedestrian straight ahead and near. The distance to the nearest
     detection has no part in it, else a system that fills the picture with false alarms would have
@@ -46,12 +50,12 @@ def weigh_failures(
     is_matched: np.ndarray,
     frames: FrameColumns,
 ) -> pd.DataFrame:
-    """What one system's failures weigh in every encounter; 0 is best.
+    """Weigh one system's failures in every encounter. 0 is best.
 
     Parameters
     ----------
     cost
-        Of `cost_of_miss`.
+        Result of `cost_of_miss`.
     is_matched
         Truth boxes that the system matched; bool, shape (n_truth,).
 
@@ -59,8 +63,8 @@ def weigh_failures(
     -------
     One row per encounter: severity_s, the sum of cost and time step over the relevant frames
     (``k >= 0.5``) in which the pedestrian is not matched, in seconds; peak_cost, the largest cost
-    among them, 0 to 1; peak_row, the first frame row that has it. Nothing missed, or a distant
-    encounter: 0, 0 and -1.
+    among them, 0 to 1; peak_row, the first frame row that has it. These are 0, 0 and -1 if nothing
+    was missed or the encounter is distant.
     """
     n = len(encounters)
     severity, peak, peak_row = np.zeros(n), np.zeros(n), np.empty(n, np.int64)

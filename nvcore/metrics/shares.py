@@ -1,4 +1,4 @@
-"""Shares of a count, with their interval."""
+"""Shares of a count with their confidence interval."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ CONFIDENCE: Final = 0.95
 
 @dataclass(frozen=True)
 class Share:
-    """So many right ones of so many.
+    """Share of correct items with its confidence interval.
 
     Attributes
     ----------
     n_right, n
-        How many are right, and how many there are.
+        Number of correct items and of all items.
     share
-        Of those the right ones; NaN without any.
+        Share of correct items; NaN without any.
     low, high
-        Wilson's 95 % interval of the share, which takes them as independent; NaN without any.
+        Wilson's 95 % interval of the share, assuming independent items; NaN without any.
     """
 
     n_right: int
@@ -33,7 +33,7 @@ class Share:
 
 
 def share_of(n_right: int, n: int) -> Share:
-    """So many right ones of so many, with the interval.
+    """Return the share of correct items with its confidence interval.
 
     References
     ----------

@@ -15,14 +15,14 @@ from nvcore.params import Distance
 
 @dataclass(frozen=True)
 class Nearest:
-    """Distance of each box to the other set, px; infinite where there is nothing to measure to.
+    """Distance of each box to the other set, px, infinite if there is nothing to measure to.
 
     Attributes
     ----------
     truth
-        Per truth box, to the counted detections; float64, shape (n_truth,).
+        Distance of each truth box to the counted detections; float64, shape (n_truth,).
     detections
-        Per detection, to the pedestrians; float64, shape (n_det,).
+        Distance of each detection to the pedestrians; float64, shape (n_det,).
     """
 
     truth: np.ndarray
@@ -56,7 +56,10 @@ def find_nearest(
     *,
     distance: Distance = "lateral",
 ) -> Nearest:
-    """Distance of every box to the nearest member of the other set, frame by frame.
+    """Compute each box's distance to the nearest member of the other set, frame by frame.
+
+    The result does not depend on alpha, edge weight or the sigmoid, so that these can be changed
+    live. `measure_matched` is the counterpart for ``pairing="matched"``.
 
     Independent of alpha, edge weight and the sigmoid, so that these can be changed live.
     `measure_matched` is its counterpart for ``pairing="matched"``.
@@ -91,7 +94,10 @@ def measure_matched(
     *,
     distance: Distance = "lateral",
 ) -> Nearest:
-    """Distance of every box to the box that matches it, px; infinite for those without a match.
+    """Compute each box's distance to its match, px, infinite without a match.
+
+    With these distances a false alarm is never nearer to a pedestrian than the border, and cannot
+    raise similarity.
 
     A false alarm is then never nearer to a pedestrian than the border, and cannot raise similarity.
 
@@ -117,7 +123,10 @@ def measure_matched(
 
 
 def border_of(boxes: BoxColumns, frames: FrameColumns, edge_weight: np.ndarray) -> np.ndarray:
-    """Most that a miss or a false alarm can be away from an explanation, px; (n,), 0 to W/2.
+    """Compute the border of each box, px, 0 to W/2, shape (n,).
+
+    The border limits the distance between a miss or false alarm and the other set: ``edge_weight *
+    W/2 + (1 - edge_weight) * min(c, W - c)``
 
     ``edge_weight * W/2 + (1 - edge_weight) * min(c, W - c)``
 
@@ -135,7 +144,7 @@ def border_of(boxes: BoxColumns, frames: FrameColumns, edge_weight: np.ndarray) 
 def border_at(
     centre: np.ndarray, width: float | np.ndarray, edge_weight: float | np.ndarray
 ) -> np.ndarray:
-    """Border of lateral positions, px; float64, the shape of `centre` (see `border_of`)."""
+    """Compute the border at lateral positions, px, in the shape of `centre` (see `border_of`)."""
     border: np.ndarray = edge_weight * 0.5 * width + (1 - edge_weight) * np.minimum(
         centre, width - centre
     )
@@ -149,7 +158,10 @@ def miss_terms(
     frames: FrameColumns,
     edge_weight: np.ndarray,
 ) -> np.ndarray:
-    """Each pedestrian's own term of D(G, S), px, 0 is best; NaN if ignored; (n_truth,).
+    """Compute each pedestrian's own term of D(G, S), px, NaN if ignored, shape (n_truth,).
+
+    ``k(a) * min(border(a), nearest(a))``. 0 is best. D(G, S) of a frame is the largest of its
+    terms.
 
     ``k(a) * min(border(a), nearest(a))``: D(G, S) of a frame is the largest of them.
     """
@@ -169,7 +181,7 @@ def measure_sets(
     edge_weight: np.ndarray,
     track: np.ndarray | None = None,
 ) -> SetDistances:
-    """Weighted MaxiMin distances D(G, S) and D(S, G) of every frame, px; 0 is best.
+    """Compute the weighted MaxiMin distances D(G, S) and D(S, G) of every frame, px, 0 is best.
 
     ``D(A, B) = max over a of k(a) * min(border(a), min over b of d(a, b))``, ``D(empty, B) = 0``,
     ``border(a) = edge_weight * W/2 + (1 - edge_weight) * min(c_a, W - c_a)``.
@@ -214,9 +226,10 @@ def salient_detection(
     *,
     edge_weight: np.ndarray,
 ) -> int:
-    """Detection row that attains D(S, G) of one frame; -1 if the frame has no member.
+    """Return the detection row that attains D(S, G) in a frame, or -1 without members.
 
-    The counterpart of `SetDistances.salient_row`, computed on demand: the maximum alone is faster.
+    The counterpart of `SetDistances.salient_row`, computed on demand because the maximum alone is
+    faster.
 
     Parameters
     ----------
@@ -239,7 +252,7 @@ def salient_detection(
 def trace_similarity(
     distances: SetDistances, frames: FrameColumns, *, alpha: float = 0.9
 ) -> np.ndarray:
-    """Similarity of every frame, in [0, 1], 1 is best; float64, shape (n_frames,).
+    """Compute the similarity of every frame, 0 to 1 (best), float64, shape (n_frames,).
 
     ``M = 1 - (alpha * D(G, S) + (1 - alpha) * D(S, G)) / (W / 2)``. A frame with neither
     pedestrians nor detections has 1.
@@ -256,7 +269,9 @@ def trace_similarity(
 
 
 def smooth(values: np.ndarray, frames: FrameColumns, *, window: float = 1.0) -> np.ndarray:
-    """Moving mean over the frames within ``window / 2`` seconds, never across recordings.
+    """Compute the moving mean over the frames within ``window / 2`` s, never across recordings.
+
+    It compares frame numbers, so that a frame exactly half a window away always counts.
 
     Frame numbers are compared, so that a frame exactly half a window away always counts.
     """
@@ -266,7 +281,7 @@ def smooth(values: np.ndarray, frames: FrameColumns, *, window: float = 1.0) -> 
 
 
 def runs_of(key: np.ndarray, recording: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First and last row of every maximal run of equal `key` >= 0 within one recording.
+    """Return first and last row of every maximal run of equal `key` >= 0 within one recording.
 
     Parameters
     ----------
@@ -290,7 +305,7 @@ def runs_of(key: np.ndarray, recording: np.ndarray) -> tuple[np.ndarray, np.ndar
 def find_low_intervals(
     similarity: np.ndarray, frames: FrameColumns, *, low: float = 0.9
 ) -> pd.DataFrame:
-    """Maximal runs of consecutive listed frames with a similarity below `low`.
+    """Find maximal runs of consecutive listed frames with a similarity below `low`.
 
     Returns
     -------
@@ -327,7 +342,7 @@ def find_low_intervals(
 
 @dataclass(frozen=True)
 class SimilaritySummary:
-    """Aggregates of similarity over frames; NaN without frames.
+    """Aggregates of similarity over frames, NaN without frames.
 
     Attributes
     ----------
@@ -344,7 +359,7 @@ class SimilaritySummary:
 
 
 def _percentile_5(values: np.ndarray) -> float:
-    """As ``np.percentile(values, 5)``, to the bit; that takes ten times as long on short arrays."""
+    """Return exactly ``np.percentile(values, 5)``, ten times as fast for short arrays."""
     place = 0.05 * (len(values) - 1)
     below = int(place)
     above, share = min(below + 1, len(values) - 1), place - below
@@ -354,7 +369,7 @@ def _percentile_5(values: np.ndarray) -> float:
 
 
 def summarise_similarity(similarity: np.ndarray, *, low: float = 0.9) -> SimilaritySummary:
-    """Mean, minimum, 5th percentile (linear interpolation) and share of low frames."""
+    """Compute mean, minimum, 5th percentile (linear interpolation) and share of low frames."""
     if not len(similarity):
         return SimilaritySummary(np.nan, np.nan, np.nan, np.nan)
     return SimilaritySummary(

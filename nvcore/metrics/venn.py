@@ -1,4 +1,4 @@
-"""Venn categories of encounters, dominance, and how exclusive two systems' misses are."""
+"""Venn categories of encounters, dominance, and exclusivity of two systems' misses."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Venn:
 
     @property
     def dominant(self) -> str | None:
-        """``"x"`` if X detects all that Y detects and more; ``"y"`` the other way; else None."""
+        """System that detects all that the other does and more (``"x"`` or ``"y"``), or None."""
         if self.y_only == 0 and self.x_only > 0:
             return "x"
         if self.x_only == 0 and self.y_only > 0:
@@ -33,22 +33,22 @@ class Venn:
 
     @property
     def n_near(self) -> int:
-        """Encounters that count: all but the distant ones."""
+        """Number of encounters that count, which excludes distant ones."""
         return self.both + self.x_only + self.y_only + self.neither
 
     def counts(self) -> dict[str, int]:
-        """The five counts by category."""
+        """Return the five counts by category."""
         return asdict(self)
 
 
 MIN_DISCORDANT: Final = 6
-"""Fewest encounters detected by one system only for a p-value: with 5 the most uneven split has
-p = 2 / 2^5 = 0.0625, which can never be significant."""
+"""Fewest encounters detected by only one system for a p-value. With 5, the most uneven split has p
+= 2 / 2^5 = 0.0625, which can never be significant."""
 
 
 @dataclass(frozen=True)
 class Exclusivity:
-    """How exclusive the two systems' misses are, over all but the distant encounters.
+    """Exclusivity of two systems' misses, over all encounters except distant ones.
 
     Attributes
     ----------
@@ -59,8 +59,8 @@ class Exclusivity:
     phi
         Correlation of the two misses, -1..1; NaN if a system misses none or all.
     mcnemar_p
-        Exact two-sided McNemar p-value of the encounters that only one system detects: how
-        likely so uneven a split is if both are equally good. 1 where there is none.
+        Exact two-sided McNemar p-value of the encounters that only one system detects: the
+        probability of so uneven a split if both are equally good. 1 without such encounters.
     """
 
     missed_by_x: int
@@ -74,7 +74,7 @@ class Exclusivity:
 def categorise(
     is_distant: np.ndarray, detected_x: np.ndarray, detected_y: np.ndarray
 ) -> np.ndarray:
-    """Category of every encounter; object array of `Category` values, shape (n,)."""
+    """Return the category of every encounter, object array of `Category` values, shape (n,)."""
     names = (Category.DISTANT, Category.BOTH, Category.X_ONLY, Category.Y_ONLY, Category.NEITHER)
     code = np.select(
         [is_distant, detected_x & detected_y, detected_x, detected_y],
@@ -86,13 +86,13 @@ def categorise(
 
 
 def count_categories(category: np.ndarray) -> Venn:
-    """Number of encounters of each category."""
+    """Count the encounters of each category."""
     counts = Counter(category.tolist())
     return Venn(**{name.value: counts[name.value] for name in Category})
 
 
 def measure_exclusivity(venn: Venn) -> Exclusivity:
-    """How exclusive the misses of X and Y are.
+    """Measure how exclusive the misses of X and Y are.
 
     ``jaccard = neither / (x_only + y_only + neither)``; phi of the 2 x 2 table of misses;
     ``p = min(1, 2 * P(Binomial(x_only + y_only, 1/2) <= min(x_only, y_only)))``.
@@ -133,7 +133,7 @@ class BoxVenn:
 
 
 def count_boxes(is_pedestrian: np.ndarray, by_x: np.ndarray, by_y: np.ndarray) -> BoxVenn:
-    """Boxes of each kind; all arguments bool, shape (n_truth,)."""
+    """Count the boxes of each kind. All arguments are bool, shape (n_truth,)."""
     hit_x, hit_y = by_x & is_pedestrian, by_y & is_pedestrian
     both = int(np.count_nonzero(hit_x & hit_y))
     x_only, y_only = int(np.count_nonzero(hit_x)) - both, int(np.count_nonzero(hit_y)) - both

@@ -1,4 +1,10 @@
-"""The compiled loops over frames, boxes and encounters.
+"""Compiled loops over frames, boxes and encounters.
+
+All kernels work on columns sorted by frame, where ``offsets[f]:offsets[f + 1]`` are the rows of
+frame f, and write into arrays that the caller allocates. They take a range of frames (``lo``,
+``hi``) and release the interpreter lock, so that `over_ranges` can run them in threads. This avoids
+numba's own parallel mode, which takes seconds to compile. Frames have a handful of boxes, so all
+pairs are tried; below about 48 boxes per side this is faster than sorting.
 
 All kernels work on columns sorted by frame, with ``offsets[f]:offsets[f + 1]`` the rows of frame
 f, and write into arrays that the caller made. They take a range of frames (``lo``, ``hi``) and
@@ -20,17 +26,17 @@ import numpy as np
 from nvcore.metrics.kernels.compiling import compiler
 
 ABSORB_SHARE: Final = 0.5
-"""Share of a detection's own area inside an ignore region that makes it count for nothing."""
+"""Least share of a detection's area inside an ignore region for the detection not to count."""
 
 compiled = compiler()
-"""Compile on first use, keep the machine code on disk, run without the interpreter lock."""
+"""Decorator: compile on first use, cache the machine code on disk, release the interpreter lock."""
 
 MIN_PER_THREAD: Final = 20_000
-"""Smallest number of frames that is worth a thread of its own."""
+"""Smallest number of frames that justifies a thread."""
 
 
 def thread_count() -> int:
-    """Threads that this process may use: ``OMP_NUM_THREADS``, or the cores that it may run on."""
+    """Return the number of threads to use: ``OMP_NUM_THREADS``, or the number of usable cores."""
     stated = os.environ.get("OMP_NUM_THREADS", "")
     if stated.isdecimal():
         return max(int(stated), 1)
@@ -45,7 +51,7 @@ def over_ranges(
     Parameters
     ----------
     least
-        Smallest part of the range that is worth a thread of its own; None: `MIN_PER_THREAD`.
+        Smallest part of the range that justifies a thread; None: `MIN_PER_THREAD`.
     """
     n_threads = min(thread_count(), n // (least or MIN_PER_THREAD))
     if n_threads < 2:
@@ -58,13 +64,13 @@ def over_ranges(
 
 @compiled
 def centre(x: float, w: float, width: float) -> float:
-    """Lateral position of a box: its centre, clipped to the picture."""
+    """Return the lateral position of a box: its centre, clipped to the picture."""
     return min(max(x + 0.5 * w, 0.0), width)
 
 
 @compiled
 def border(c: float, width: float, rho: float) -> float:
-    """Most that a box at c can be away from an explanation, px, at this edge weight."""
+    """Return the upper limit of the distance of a box at `c`, px, for this edge weight."""
     return rho * 0.5 * width + (1.0 - rho) * min(c, width - c)
 
 
@@ -72,7 +78,7 @@ def border(c: float, width: float, rho: float) -> float:
 def intersection(
     ax: float, ay: float, aw: float, ah: float, bx: float, by: float, bw: float, bh: float
 ) -> float:
-    """Area that two boxes share, continuous pixels; 0 where they do not touch."""
+    """Return the area shared by two boxes in continuous pixels, or 0 if they do not touch."""
     across = min(ax + aw, bx + bw) - max(ax, bx)
     down = min(ay + ah, by + bh) - max(ay, by)
     if across <= 0.0 or down <= 0.0:

@@ -1,4 +1,4 @@
-"""Loops of the audit: how well the truth is overlapped by detections that were moved."""
+"""Loops of the audit that measure the overlap of the truth with shifted or scaled detections."""
 
 from __future__ import annotations
 
@@ -7,7 +7,11 @@ from nvcore.metrics.kernels import compiled
 
 @compiled
 def best_overlaps(frame, gx, gy, gw, gh, lo, hi, x, y, w, h, sx, sy, ox, oy, best, which):
-    """Best IoU of any detection with each box of the truth, and its row; 0 and -1 without any.
+    """Find the best IoU of any detection with each truth box, and that detection's row.
+
+    Without any, they are 0 and -1. Box g is in frame ``frame[g]``, whose detections are the rows
+    ``lo`` to ``hi`` of that frame. Detections are scaled by sx and sy, then shifted by ox and oy.
+    Of equal overlaps the last one counts.
 
     Box g stands in frame ``frame[g]``, whose detections are the rows ``lo`` to ``hi`` of that
     frame; they are scaled by sx and sy, then moved by ox and oy. Of equal overlaps the last counts.

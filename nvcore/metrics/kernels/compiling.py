@@ -1,4 +1,9 @@
-"""How the loops are compiled, and where their machine code is kept.
+"""Compilation of the loops, and the location of their cached machine code.
+
+numba caches it next to the source, in the user's cache folder, or in ``$NUMBA_CACHE_DIR``. If none
+of these is writable (read-only packages and no home), we use a temporary folder that only this user
+can change, because whoever can write the machine code decides what it does. Without such a folder,
+each process compiles again, which takes about ten seconds.
 
 numba keeps it beside the source or in the user's cache folder, or in ``$NUMBA_CACHE_DIR``. Where
 it may write to none of these (read-only packages and no home), it is kept in a folder of the
@@ -20,7 +25,7 @@ from nvcore.output.private import make_private
 
 
 def compiler() -> Callable[[Callable[..., Any]], Any]:
-    """The decorator of compiled loops, which finds a place for their machine code."""
+    """Return the decorator for compiled loops, which finds a place for their machine code."""
     with_cache, without = (
         njit(cache=is_kept, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
         for is_kept in (True, False)
@@ -40,7 +45,7 @@ def compiler() -> Callable[[Callable[..., Any]], Any]:
 
 
 def private_folder() -> Path | None:
-    """A folder of this user's among the temporary files; None if there cannot be one."""
+    """Return a temporary folder that belongs to this user, or None if there cannot be one."""
     try:
         folder = Path(tempfile.gettempdir()) / f"nvcore-kernels-{os.getuid()}"
         is_usable = make_private(folder) and os.access(folder, os.W_OK)

@@ -25,7 +25,11 @@ def encounter_frames(
     longest_gap,
     tail,
 ):
-    """Measures of one system for every encounter; lag, gap and tail in frames.
+    """Compute one system's measures for every encounter, with lag, gap and tail in frames.
+
+    ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
+    `frame_index` has the frames of these rows in the same order. Rows of the same frame (a track id
+    given twice) count as one. Lag, gap and tail are NaN if the encounter is never matched.
 
     ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
     `frame_index` has the frames of these rows in the same order. Rows of one
@@ -69,7 +73,12 @@ def encounter_frames(
 
 @compiled
 def severity_frames(offsets, encounter_of, gap, k, cost, matched, severity, worst, worst_frame):
-    """What each encounter's missed relevant frames cost one system, in frames.
+    """Compute the cost of each encounter's missed relevant frames for one system, in frames.
+
+    Writes the sum of cost times time step, the largest cost and its first frame row (-1: nothing
+    was missed). `severity` and `worst` must be 0 before. One pass over all frames, in memory order:
+    an encounter's frame is only added when its next one comes, because a track id may be given
+    twice in a frame. If a frame has several boxes of an encounter, the largest cost counts.
 
     Writes the sum of cost and time step, the largest cost and its first frame row (-1: nothing was
     missed); `severity` and `worst` are 0 before. All frames in one pass, in order of memory: an
@@ -103,7 +112,7 @@ def severity_frames(offsets, encounter_of, gap, k, cost, matched, severity, wors
 
 @compiled
 def group_rows(code, counts):
-    """Rows in the order of their group, the order inside a group kept (a counting sort)."""
+    """Return the rows sorted by group, stable within each group (a counting sort)."""
     position = np.zeros(counts.size + 1, np.int64)
     for g in range(counts.size):
         position[g + 1] = position[g] + counts[g]

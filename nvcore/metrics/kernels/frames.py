@@ -1,4 +1,4 @@
-"""Loops over the boxes of frames: matching, distances of the sets, cost of a miss."""
+"""Loops over the boxes of frames: matching, distances between sets, cost of a miss."""
 
 from __future__ import annotations
 
@@ -135,7 +135,10 @@ def nearest_frames(
     near_a,
     near_b,
 ):
-    """Distance of each member of A to its nearest member of B and back, frame by frame, px.
+    """Compute each box's distance to the nearest box of the other set, frame by frame, px.
+
+    The distance is lateral, or between foot points if `ground`, and infinite if the other set is
+    empty.
 
     Lateral, or between foot points if `ground`. Infinite where the other set is empty.
     """
@@ -167,7 +170,9 @@ def nearest_frames(
 def maximin_frames(
     lo, hi, offsets, x, w, k, near, member, track, edge_weight, recording, width, d, argmax
 ):
-    """Weighted MaxiMin distance D(A, B) of every frame and the row of A that attains it.
+    """Compute the weighted MaxiMin distance D(A, B) of every frame and A's row that attains it.
+
+    Ties go to the larger weight, then to the smaller track id. An empty A gives 0 and -1.
 
     Ties go to the larger weight, then to the smaller track id. An empty A gives 0 and -1.
     """
@@ -194,7 +199,10 @@ def maximin_frames(
 
 @compiled
 def maximum_frames(lo, hi, offsets, x, w, k, near, member, edge_weight, recording, width, d):
-    """As `maximin_frames`, without the row: a bare maximum needs no branch, a third of the time."""
+    """Compute D(A, B) like `maximin_frames`, but without the row.
+
+    A plain maximum needs no branch and takes a third of the time.
+    """
     for f in range(lo, hi):
         W, rho = width[recording[f]], edge_weight[recording[f]]
         most = 0.0
@@ -206,7 +214,7 @@ def maximum_frames(lo, hi, offsets, x, w, k, near, member, edge_weight, recordin
 
 @compiled
 def cost_frames(lo, hi, offsets, x, w, k, edge_weight, recording, width, cost):
-    """What missing each box would cost: its weight times its border over half the width."""
+    """Compute the cost of missing each box: its weight times its border over half the width."""
     for f in range(lo, hi):
         W, rho = width[recording[f]], edge_weight[recording[f]]
         for i in range(offsets[f], offsets[f + 1]):

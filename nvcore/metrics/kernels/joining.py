@@ -1,4 +1,4 @@
-"""Loop over frames: which row of one table is which box of another."""
+"""Loop over frames that finds the same boxes in two tables."""
 
 from __future__ import annotations
 
@@ -24,7 +24,12 @@ def join_frames(
     tolerance,
     row_of,
 ):
-    """The box at the same place as each row of the other table, in the same frame.
+    """Find the box at the same place as each row of the other table, in the same frame.
+
+    Rows of frame f are ``offsets[f]:offsets[f + 1]``. No coordinate may differ by more than
+    `tolerance`. If both tracks are known (0 or more), they must be equal. Each box is taken once,
+    by the first row that fits. Writes the row of the box, or -1, into `row_of`, which must hold -1
+    throughout.
 
     Rows of frame f are ``offsets[f]:offsets[f + 1]``. No coordinate may differ by more than
     `tolerance`, nor the tracks where both are known (0 or more); each box is taken once, by the

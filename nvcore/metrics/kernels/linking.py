@@ -1,4 +1,7 @@
-"""The compiled loop that links boxes over frames by optimal assignment.
+"""Compiled loop that links boxes over frames by optimal assignment.
+
+It uses plain loops instead of slices and ``np.full``, which would drag numba's string formatting
+(for error messages) into the compilation and take seconds.
 
 Written with plain loops instead of slices and ``np.full``: those drag numba's string formatting
 (of error messages) into the compilation, which takes seconds.
@@ -11,14 +14,18 @@ import numpy as np
 from nvcore.metrics.kernels import compiled, intersection
 
 MOST_UNSORTED = 24
-"""Boxes of a frame up to which each is held against each track: sorting saves nothing."""
+"""Most boxes per frame for which every box is compared with every track without sorting first."""
 N_BUCKETS = 64
-"""Into which the boxes of a frame are sorted by their left edges."""
+"""Number of buckets into which the boxes of a frame are sorted by their left edges."""
 
 
 @compiled
 def assign(n, m, first, col, gain):
-    """Assignment of rows to columns with the largest total gain; only listed pairs are allowed.
+    """Assign rows to columns with the largest total gain, using only the listed pairs.
+
+    Shortest augmenting paths with potentials (Jonker and Volgenant 1987; the method of
+    ``scipy.optimize.linear_sum_assignment``, which compiled code cannot call), limited to the
+    existing pairs. The time per row depends only on the pairs in its connected group.
 
     Shortest augmenting paths with potentials (Jonker and Volgenant 1987; the method of
     ``scipy.optimize.linear_sum_assignment``, which compiled code cannot call) along the pairs that
@@ -98,13 +105,13 @@ def assign(n, m, first, col, gain):
 
 @compiled
 def bucket_of(value, low, per_bucket):
-    """In which of the buckets of a frame a left edge lies; those outside in the outermost."""
+    """Return the bucket of a left edge. Edges out of range go into the outermost buckets."""
     return int(min(max((value - low) / per_bucket, 0.0), N_BUCKETS - 1.0))
 
 
 @compiled
 def grown(values, n):
-    """A copy of the array with room for `n`; its further places are not set."""
+    """Return a copy of the array with room for `n` values. The added ones are uninitialised."""
     copy = np.empty(n, values.dtype)
     for k in range(values.size):
         copy[k] = values[k]
@@ -114,6 +121,10 @@ def grown(values, n):
 @compiled
 def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track):
     """Number the track of every row, counting from 0 over all recordings.
+
+    Boxes of successive listed frames are assigned to the tracks seen at most `max_gap` listed
+    frames before, by the largest total IoU over pairs with ``IoU >= min_iou``. A box without a
+    track starts a new one.
 
     Boxes of successive listed frames are assigned to the tracks seen at most `max_gap` listed
     frames before, by the largest total IoU over pairs with ``IoU >= min_iou``; a box without a

@@ -1,4 +1,4 @@
-"""Pairing the boxes of two systems, and finding boxes that are given twice."""
+"""Pairing of two systems' boxes, and detection of duplicate boxes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from nvcore.metrics.kernels import compiled, intersection
 
 @compiled
 def best_free(x, y, w, h, b0, b1, bx, by, bw, bh, b_in, is_taken, min_iou):
-    """Largest IoU of a box with a free B of its frame, and that B's row; 0 and -1 for none."""
+    """Return a box's largest IoU with a free B of its frame and the row of that B, or 0 and -1."""
     most, best = 0.0, -1
     for b in range(b0, b1):
         if not b_in[b] or is_taken[b - b0]:
@@ -27,7 +27,11 @@ def best_free(x, y, w, h, b0, b1, bx, by, bw, bh, b_in, is_taken, min_iou):
 def pair_frames(
     lo, hi, a_offsets, ax, ay, aw, ah, a_in, b_offsets, bx, by, bw, bh, b_in, min_iou, partner
 ):
-    """Pair the boxes of two systems, greedily by descending IoU; writes each A's B row or -1.
+    """Pair the boxes of two systems greedily by descending IoU.
+
+    Writes the row of each A's partner in B, or -1. Each A keeps its best free B and searches again
+    only if that one is taken. Trying all pairs again after every pair would be cubic and take
+    minutes for frames with hundreds of boxes.
 
     Each A keeps its best free B and looks again only when that is taken: trying all pairs
     again after every pair would be cubic, minutes for frames of hundreds of boxes.
@@ -82,7 +86,7 @@ def pair_frames(
 
 @compiled
 def mark_repeats(lo, hi, offsets, x, y, w, h, is_repeat):
-    """Mark boxes that are the same as an earlier one of their frame."""
+    """Mark boxes that are equal to an earlier one of the same frame."""
     for f in range(lo, hi):
         for a in range(offsets[f] + 1, offsets[f + 1]):
             for b in range(offsets[f], a):

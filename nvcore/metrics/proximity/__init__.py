@@ -1,4 +1,4 @@
-"""Proximity: how much a box counts, from how near it seems (paper, weighting function)."""
+"""Proximity: a box's weight by its apparent distance (paper, weighting function)."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from nvcore.params import SETTINGS, Params
 from nvcore.params.traffic import UNSTATED
 
 BLOCK: Final = 262_144
-"""Boxes weighed at a time: bounds the memory of intermediate results; in smaller blocks the two
-systems' threads wait for each other."""
+"""Boxes weighed at a time, which limits the memory of intermediate results. With smaller blocks the
+two systems' threads wait for each other."""
 
 
 LARGEST_EXPONENT: Final = 700.0
-"""``exp`` of more would overflow; the weight there is 1e-304, practically 0."""
+"""Largest exponent, to keep ``exp`` from overflowing. The weight there is 1e-304, practically 0."""
 
 
 @dataclass(frozen=True)
@@ -30,10 +30,10 @@ class Weights:
     Attributes
     ----------
     k
-        In (0, 1), larger is nearer (1 throughout without proximity); float64, shape (n,).
+        Weights in (0, 1), larger is nearer (all 1 without proximity); float64, shape (n,).
     n_without_distance
-        Boxes that count (no ignore regions, nothing below the threshold) and are weighted by
-        height, because proximity is by distance and they have none.
+        Number of boxes in G or S that are weighted by height because proximity is by distance and
+        they have none.
     """
 
     k: np.ndarray
@@ -41,7 +41,7 @@ class Weights:
 
 
 def sigmoid(z: np.ndarray) -> np.ndarray:
-    """``1 / (1 + exp(-z))``, in the form that cannot overflow; float64, the shape of `z`."""
+    """Compute ``1 / (1 + exp(-z))`` without overflow."""
     e: np.ndarray = np.negative(z)
     np.clip(e, -LARGEST_EXPONENT, LARGEST_EXPONENT, out=e)
     np.exp(e, out=e)
@@ -53,7 +53,11 @@ def sigmoid(z: np.ndarray) -> np.ndarray:
 def weigh_proximity(
     boxes: BoxColumns, is_counted: np.ndarray, frames: FrameColumns, params: Params
 ) -> Weights:
-    """Proximity weight of every box: near ones count more.
+    """Compute the proximity weight of every box. Near ones count more.
+
+    By height: ``k = 1 / (1 + exp(-(h - midpoint) / spread))``. By horizon: the same with the depth
+    of the foot point below the horizon instead of h. By distance: ``k = 1 / (1 + exp((distance -
+    midpoint_m) / spread_m))``, with boxes without a distance weighted by height.
 
     By height ``k = 1 / (1 + exp(-(h - midpoint) / spread))``; by horizon with the depth of the
     foot point below the horizon in place of h; by distance
@@ -64,7 +68,7 @@ def weigh_proximity(
     boxes
         Boxes of one source, px, sorted by frame.
     is_counted
-        Those that are members of G or S; bool, shape (n,). All are weighed.
+        Boxes that belong to G or S; bool, shape (n,). All boxes are weighed.
 
     Raises
     ------
@@ -105,13 +109,13 @@ def weigh_proximity(
 def _blocks(
     boxes: BoxColumns, frames: FrameColumns, settings: np.ndarray
 ) -> Iterator[tuple[slice, int]]:
-    """Rows of boxes in blocks, each with a recording whose settings hold for all of them.
+    """Yield the rows of boxes in blocks, each with a recording whose settings apply to the block.
 
     Parameters
     ----------
     settings
-        Of each recording, shape (n_recordings, n_settings); consecutive recordings with the same
-        settings share blocks.
+        Settings of each recording, shape (n_recordings, n_settings); consecutive recordings with
+        the same settings share blocks.
     """
     if not len(settings):
         return
@@ -124,7 +128,7 @@ def _blocks(
 
 
 def in_use(params: Params, name: str, frames: FrameColumns) -> np.ndarray:
-    """Value of a setting for each recording: its own where `params` gives none.
+    """Return a setting's value for each recording: the recording's own if `params` gives none.
 
     Parameters
     ----------

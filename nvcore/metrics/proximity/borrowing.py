@@ -1,4 +1,7 @@
-"""Distances of pedestrians where only the systems know them: borrowed from the matches.
+"""Distances of pedestrians that only the systems know, borrowed from the matches.
+
+Borrowed distances depend only on the data, not on any setting: neither on thresholds nor on the
+matching rule, nor on the two systems being compared (docs/decisions/041-borrowed-distances.md).
 
 What is borrowed depends on the data alone, and on no setting: neither thresholds nor the rule of
 matching, nor which two systems are compared (docs/decisions/041-borrowed-distances.md).
@@ -19,30 +22,31 @@ from nvcore.params import Params
 from nvcore.wording import count_text, listed, percent
 
 LONGEST_GAP_S: Final = 2.0
-"""Between two known distances at most so far apart the pedestrian's is interpolated."""
+"""Largest time between two known distances of a pedestrian for interpolating between them."""
 _DERIVED: Final = "borrowed_distances"
-"""Under which key of `Dataset.derived` it is kept."""
+"""Key in `Dataset.derived`."""
 LENDING: Final = Params()
-"""Of matching: IoU of at least 0.5, in the order of the scores."""
+"""Matching rule: IoU of at least 0.5, in the order of the scores."""
 
 
 @dataclass(frozen=True, eq=False)
 class Borrowed:
-    """Distances of the truth boxes, with those that were borrowed.
+    """Distances of the truth boxes, including borrowed ones.
 
     Attributes
     ----------
     distance_m
-        The box's own where it has one, else borrowed, NaN where nobody knows; float64, (n_truth,).
+        The box's own distance, or else a borrowed one, NaN if unknown; float64, (n_truth,).
     n_own, n_reported, n_between, n_unknown
-        Pedestrians' boxes with a distance of their own, with one that a match reports, with one
-        interpolated along the track, with none.
+        Numbers of pedestrians' boxes by source of the distance: their own, reported by a match,
+        interpolated along the track, none.
     lent
-        Boxes whose distance is from (or also from) each system, by its name.
+        Number of boxes for which each system reports a distance, by system name.
     n_compared
         Boxes without a distance of their own for which several systems report one.
     spread
-        Median over these of the range of the reports, as a share of their mean; NaN without any.
+        Median over the compared boxes of the reports' range as a share of their mean; NaN without
+        any.
     """
 
     distance_m: np.ndarray
@@ -56,12 +60,12 @@ class Borrowed:
 
     @property
     def n_borrowed(self) -> int:
-        """Boxes with a borrowed distance."""
+        """Number of boxes with a borrowed distance."""
         return self.n_reported + self.n_between
 
     @property
     def text(self) -> str:
-        """In words, how many boxes borrowed theirs, from whom, and how far the lenders differ."""
+        """Sentence with the number of borrowed distances, their lenders and their disagreement."""
         lenders = [f"{name} ({n:,})" for name, n in self.lent.items() if n]
         if not lenders:
             return "no match reports a distance that could be borrowed"
@@ -79,7 +83,7 @@ class Borrowed:
 
 
 def weighing_truth(dataset: Dataset, params: Params) -> BoxColumns:
-    """The truth with the distances that its weights are of: with borrowed ones if `params` say."""
+    """Return the truth with the distances used for its weights, borrowed if `params` say so."""
     if not borrows(params):
         return dataset.truth
     return replace(dataset.truth, distance_m=borrowed_distances(dataset).distance_m)
@@ -91,7 +95,12 @@ def borrows(params: Params) -> bool:
 
 
 def borrowed_distances(dataset: Dataset) -> Borrowed:
-    """Distances of a dataset's truth, borrowed where it has none; kept, as no setting moves them.
+    """Return the distances of a dataset's truth, borrowing those that are missing.
+
+    The result is cached: no setting changes it. A truth box without a distance takes the median of
+    the distances that its matches of all systems report, whatever their scores. Between two boxes
+    of the same pedestrian with an own or reported distance, at most `LONGEST_GAP_S` apart, the
+    distance is interpolated linearly in time. Nothing is extrapolated.
 
     A truth box without a distance takes the median of those that its matches of all systems
     report, whatever their scores. Between two boxes of the same pedestrian with a distance, own or
@@ -105,7 +114,7 @@ def borrowed_distances(dataset: Dataset) -> Borrowed:
 
 
 def share_borrowed(dataset: Dataset, other: Dataset) -> None:
-    """Give another dataset of the same truth what was borrowed for this one, if anything was."""
+    """Copy the borrowed distances of a dataset, if any, to another one with the same truth."""
     borrowed = _known(dataset)
     if borrowed is not None:
         other.derived[_DERIVED] = borrowed
@@ -150,7 +159,7 @@ def _borrow(dataset: Dataset) -> Borrowed:
 
 
 def reported_distances(dataset: Dataset) -> np.ndarray:
-    """Distance that each system's match of a truth box reports, m; NaN: none.
+    """Return the distance reported by each system's match of a truth box, m, NaN if none.
 
     Returns
     -------
@@ -170,7 +179,7 @@ def reported_distances(dataset: Dataset) -> np.ndarray:
 
 
 def _between(known: np.ndarray, encounters: Encounters, time_s: np.ndarray) -> np.ndarray:
-    """The known distances of truth rows, and those between two known ones of one encounter."""
+    """Return the known distances of truth rows, interpolated within each encounter."""
     distance_m = known.copy()
     rows = encounters.order
     n = len(rows)

@@ -1,4 +1,7 @@
-"""The row of the horizon, estimated from how tall pedestrians are in which row their feet stand.
+"""Row of the horizon, estimated from pedestrians' heights and foot rows.
+
+On flat ground a person's height in the picture is proportional to the depth of the feet below the
+horizon: ``h = k * (foot - horizon)``, where k is the person's height over that of the camera.
 
 On flat ground a person's height in the picture is proportional to the depth of the feet below the
 horizon: ``h = k * (foot - horizon)``, k being the person's height over that of the camera.
@@ -19,33 +22,33 @@ from nvcore.wording import minus
 
 LEAST_BOXES: Final = 30
 LEAST_PEDESTRIANS: Final = 3
-"""With fewer there is no saying how far the estimate may be off."""
+"""With fewer pedestrians, the error of the estimate is unknown."""
 LEAST_R2: Final = 0.5
-"""Share of the variance that heights and foot rows have in common, at least."""
+"""Least share of the variance that heights and foot rows have in common."""
 ONE_LINE: Final = 0.9999
-"""From this share on both regressions are the same line."""
+"""Share from which both regressions count as the same line."""
 LARGEST_MARGIN: Final = 0.1
-"""Of the picture's height: an estimate that is less certain is none."""
+"""Largest margin of an accepted estimate, as a share of the picture's height."""
 GROUPS: Final = 20
-"""Of pedestrians that are left out in turn, at most."""
+"""Largest number of groups of pedestrians that are left out in turn (jackknife)."""
 MOST_BOXES: Final = 5_000
-"""Boxes that a line is drawn through; of more every n-th."""
+"""Most boxes used for fitting; of more boxes every n-th is used."""
 _HUBER: Final = 1.345
 _MOST_STEPS: Final = 20
 
 
 @dataclass(frozen=True)
 class Horizon:
-    """An estimate of the horizon.
+    """Estimate of the horizon.
 
     Attributes
     ----------
     row_px
-        Its row, px from the picture's top; negative above the picture.
+        Row of the horizon, px from the picture's top; negative above the picture.
     margin_px
         Half the width of the 95 % interval, px.
     n_boxes, n_pedestrians
-        What it is estimated from.
+        Numbers of boxes and pedestrians that the estimate is based on.
     """
 
     row_px: float
@@ -55,7 +58,10 @@ class Horizon:
 
     @property
     def text(self) -> str:
-        """A template: "row 155 (95 %: 148 to 162; 1,216 boxes of 18 {many})"."""
+        """Template with row, interval and basis of the estimate.
+
+        For example: "row 155 (95 %: 148 to 162; 1,216 boxes of 18 {many})".
+        """
         ends = self.row_px, self.row_px - self.margin_px, self.row_px + self.margin_px
         row, low, high = (minus(f"{end:z.0f}") for end in ends)
         return (
@@ -65,7 +71,10 @@ class Horizon:
 
 
 def estimate_horizons(dataset: Dataset) -> tuple[Horizon | None, ...]:
-    """Horizon of each recording by the boxes of its truth; None where they do not tell; kept.
+    """Estimate each recording's horizon from the boxes of its truth, or None if uncertain.
+
+    The result is cached. Occluded boxes are left out, as are those within 1 px of the picture's
+    edge, which may be cut.
 
     Boxes within 1 px of the picture's edge, which may be cut, and occluded ones are left out.
     """
@@ -98,7 +107,12 @@ def _estimate_all(dataset: Dataset) -> tuple[Horizon | None, ...]:
 def estimate_horizon(
     foot_px: np.ndarray, height_px: np.ndarray, pedestrian: np.ndarray
 ) -> Horizon | None:
-    """The horizon by a robust line through heights over foot rows; None where there is none.
+    """Estimate the horizon by a robust line of heights over foot rows.
+
+    The line lies half way (by the geometric mean of the slopes) between the regression of heights
+    on rows and that of rows on heights, because both are uncertain: people differ in stature, and
+    the camera pitches. Both regressions weigh outliers down (Huber). The interval comes from a
+    jackknife over pedestrians, by Student's t.
 
     The line is that half way (by the geometric mean of the slopes) between the regression of the
     heights on the rows and that of the rows on the heights, since both are uncertain: people differ
@@ -110,7 +124,7 @@ def estimate_horizon(
     foot_px, height_px
         Row of the feet and height of boxes; float64, shape (n,).
     pedestrian
-        Whose boxes they are; int64, shape (n,).
+        Pedestrian that each box belongs to; int64, shape (n,).
 
     Returns
     -------
@@ -143,7 +157,7 @@ def estimate_horizon(
 
 
 def _zero_of_line(foot_px: np.ndarray, height_px: np.ndarray) -> float:
-    """The row in which nobody has a height; NaN where the heights do not grow with the rows."""
+    """Return the foot row at which the height is 0, or NaN if heights do not grow with the rows."""
     if len(foot_px) < LEAST_BOXES:
         return np.nan
     foot_at_zero, foot_slope = _robust_line(height_px, foot_px)
@@ -159,7 +173,7 @@ def _zero_of_line(foot_px: np.ndarray, height_px: np.ndarray) -> float:
 
 
 def _robust_line(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
-    """Value at 0 and slope of y over x, outliers weighed down (Huber's weights, repeated)."""
+    """Return value at 0 and slope of y over x, weighing outliers down (iterated Huber weights)."""
     weight = np.ones(len(x))
     at_zero = slope = np.nan
     for _ in range(_MOST_STEPS):
