@@ -1,4 +1,4 @@
-"""The benchmarks: curves, miss rate, average precision, operating points, protocols applied."""
+"""Benchmarks: curves, miss rate, average precision, operating points, application of protocols."""
 
 from nvcore.detection.average_precision import (
     average_precision,

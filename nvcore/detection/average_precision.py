@@ -10,15 +10,15 @@ from nvcore.detection.curves import DetectionCurve
 
 # not i / 100: 0.57 differs in the last bit, and recalls are compared with exactly these
 COCO_RECALLS: Final = np.linspace(0.0, 1.0, 101)
-"""The recalls at which COCO reads precision."""
+"""Recalls at which COCO reads precision."""
 COCO_RECALLS.flags.writeable = False
 
 
 def average_precision(curve: DetectionCurve) -> float:
-    """Area under the monotone precision-recall curve, 1 is best.
+    """Compute the area under the monotone precision-recall curve, 1 is best.
 
     ``sum over points of (r_i - r_{i-1}) * max over j >= i of p_j``: the step function of Pascal VOC
-    since 2010. Without detections 0; NaN where ``curve.why_undefined``.
+    since 2010. The result is 0 without detections and NaN if ``curve.why_undefined``.
 
     References
     ----------
@@ -31,13 +31,13 @@ def average_precision(curve: DetectionCurve) -> float:
 
 
 def average_precision_coco(curve: DetectionCurve) -> float:
-    """Mean of the best precision at 101 recalls, 1 is best (COCO; at one IoU).
+    """Compute the mean of the best precision at 101 recalls, 1 is best (COCO, for one IoU).
 
-    At each of 0, 0.01, ..., 1 the largest precision at that or a larger recall, 0 beyond the
-    largest. All detections count, where COCO's tools take 100 a picture. Equal scores are one
-    point, where COCO takes them in file order, and regions absorb a detection from a share of 0.5
-    on, where COCO's do from the IoU on. Without detections 0; NaN
-    where ``curve.why_undefined``.
+    At each of 0, 0.01, ..., 1, this takes the largest precision at that recall or a larger one, or
+    0 beyond the largest recall. There are three differences from COCO's tools. All detections
+    count, whereas COCO takes 100 per picture. Equal scores are one point, whereas COCO takes them
+    in file order. Regions absorb a detection from a share of 0.5 on, whereas COCO uses the IoU
+    threshold. The result is 0 without detections and NaN if ``curve.why_undefined``.
 
     References
     ----------
@@ -51,12 +51,12 @@ def average_precision_coco(curve: DetectionCurve) -> float:
 
 
 def pr_auc(curve: DetectionCurve) -> float:
-    """Area under the precision-recall curve with non-linear interpolation, 1 is best.
+    """Compute the area under the precision-recall curve with non-linear interpolation, 1 is best.
 
-    Between two points true positives go up one by one, false positives with the local skew
-    ``(fp_b - fp_a) / (tp_b - tp_a)`` for each; trapezoids join these steps. A straight line
-    between two points would be too optimistic. Up to the largest recall. Without detections 0;
-    NaN where ``curve.why_undefined``.
+    Between two points, true positives increase one by one, and false positives increase by the
+    local skew ``(fp_b - fp_a) / (tp_b - tp_a)`` for each. Trapezoids join these steps, because a
+    straight line between two points would be too optimistic. The area ends at the largest recall.
+    The result is 0 without detections and NaN if ``curve.why_undefined``.
 
     References
     ----------
@@ -68,13 +68,13 @@ def pr_auc(curve: DetectionCurve) -> float:
     with np.errstate(invalid="ignore"):
         left = (tp - 1) / (tp - 1 + before)
     right = tp / (tp + after)
-    # 0 of 0: nothing is detected yet; take the precision on the way to the first pedestrian
+    # 0 of 0: nothing is detected yet, so take the precision on the way to the first pedestrian
     left = np.where(tp - 1 + before == 0, right, left)
     return float((0.5 * (left + right)).sum() / curve.n_truth)
 
 
 def _steps(curve: DetectionCurve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Each true positive with the false positives before and after its step."""
+    """Return each true positive with the false positives before and after its step."""
     tp_at = np.concatenate([[0], curve.tp])
     fp_at = np.concatenate([[0], curve.fp]).astype(float)
     tp = np.arange(1, tp_at[-1] + 1)
@@ -86,6 +86,6 @@ def _steps(curve: DetectionCurve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _envelope(curve: DetectionCurve) -> np.ndarray:
-    """Largest precision at each point's recall or a larger one; (n_points,)."""
+    """Return the largest precision at each point's recall or a larger one, (n_points,)."""
     best: np.ndarray = np.maximum.accumulate(curve.precision[::-1])[::-1]
     return best

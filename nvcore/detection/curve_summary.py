@@ -1,4 +1,4 @@
-"""The measures of a detection curve, and those at the threshold in use."""
+"""Measures of a detection curve, and measures at the current threshold."""
 
 from __future__ import annotations
 
@@ -19,29 +19,30 @@ from nvcore.detection.miss_rate import (
 
 @dataclass(frozen=True)
 class CurveSummary:
-    """Measures of one system under one protocol; tables name them by `nvcore.measures`.
+    """Measures of one system under one protocol, labelled for tables by `nvcore.measures`.
 
     Attributes
     ----------
     log_average_miss_rate
-        Over FPPI from 0.01 to 1, 0 is best.
+        Averaged over FPPI from 0.01 to 1, 0 is best.
     average_precision_coco, average_precision, pr_auc
-        101 recalls; area under the monotone curve; area by Davis and Goadrich. 1 is best.
+        Mean over 101 recalls, area under the monotone curve, and area by Davis and Goadrich; 1 is
+        best.
     best_f1, best_f1_threshold
-        Largest F1 and the score that attains it.
+        Largest F1 and the score at which it is reached.
     recall, precision, f1, fppi
-        At the threshold in use.
+        Values at the current threshold.
     n_absorbed
-        Detections at the threshold in use that are neither right nor wrong: an ignored box
-        absorbs them.
+        Number of detections at the current threshold that ignored boxes absorb, so that they are
+        neither right nor wrong.
     n_zero_references
-        At how many of the nine references of the log-average miss rate no one is missed; one such
-        reference makes it 0.
+        Number of the log-average miss rate's nine references at which nobody is missed. One such
+        reference makes the rate 0.
     notes
-        What the log-average miss rate alone does not show: why it is 0, and what replaces the
-        miss rate where the curve does not reach the references.
+        Remarks on the log-average miss rate: why it is 0, and the substitutes for the miss rate at
+        references that the curve does not reach.
     why_undefined
-        Why areas and averages are undefined (NaN); None where they are defined.
+        Reason why areas and averages are undefined (NaN), or None.
     """
 
     log_average_miss_rate: float
@@ -61,12 +62,12 @@ class CurveSummary:
 
 
 def summarise_curve(curve: DetectionCurve, threshold: float | None) -> CurveSummary:
-    """All measures of a curve; undefined ones are NaN.
+    """Compute all measures of a curve, NaN if undefined.
 
     Parameters
     ----------
     threshold
-        In use; None: every detection counts.
+        Current threshold; None: every detection counts.
     """
     point = curve.at(threshold)
     rates = miss_rate_at(curve, FPPI_REFERENCES)

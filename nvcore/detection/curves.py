@@ -1,4 +1,4 @@
-"""Detection curves: what a system finds, and at the cost of how many false positives, by score."""
+"""Detection curves: true and false positives of a system by score threshold."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ class CurvePoint:
     Attributes
     ----------
     threshold
-        Lowest score that counts; inf: only detections without a score count.
+        Lowest score that counts; inf if only detections without a score count.
     tp, fp, fn
-        Matched pedestrians, detections that match nobody, missed pedestrians.
+        Numbers of matched pedestrians, detections that match nobody, missed pedestrians.
     precision, recall, f1
         1 is best; NaN where undefined (`DetectionCurve`).
     fppi
@@ -60,7 +60,7 @@ class CurvePoint:
 
     @property
     def miss_rate(self) -> float:
-        """Share of the pedestrians that are missed; 0 is best."""
+        """Share of the pedestrians that are missed. 0 is best."""
         return 1 - self.recall
 
 
@@ -71,25 +71,25 @@ class DetectionCurve:
     Attributes
     ----------
     system, protocol
-        Whose curve it is, and which pedestrians count.
+        System of the curve, and protocol that selects the pedestrians.
     threshold
-        The distinct scores, descending; float64, (n_points,). Equal scores are one point. Where
-        there are detections without a score, which pass every threshold, the first is inf.
+        The distinct scores, descending; float64, (n_points,). Equal scores are one point. The first
+        is inf if there are detections without a score, which pass every threshold.
     tp, fp
-        Matched pedestrians, and detections that match nobody and that no ignored box absorbs, at
-        or above each threshold; int64, (n_points,).
+        Numbers of matched pedestrians, and of detections that neither match nor are absorbed by an
+        ignored box, at or above each threshold; int64, (n_points,).
     n_truth, n_images
-        Pedestrian boxes and frames that count; the same for every system.
+        Numbers of pedestrian boxes and frames that count, the same for every system.
     is_ranked
-        Every detection has a score, and they differ. If not, there are points (a single one where
-        none has a score, or all have the same) but no areas under them.
+        True if every detection has a score and the scores differ. Otherwise there are points (a
+        single one if no score exists or all are equal) but no areas.
     absorbed_score
-        Scores of the detections that ignored boxes absorb, NaN without one; float64,
-        (n_absorbed,). They are neither right nor wrong.
+        Scores of the detections that ignored boxes absorb, NaN if they have none; float64,
+        (n_absorbed,). Such detections are neither right nor wrong.
 
     Notes
     -----
-    Without detections there is no point. Without pedestrians recall, miss rate and F1 are NaN.
+    Without detections there are no points. Without pedestrians, recall, miss rate and F1 are NaN.
     """
 
     system: str
@@ -107,38 +107,38 @@ class DetectionCurve:
 
     @property
     def recall(self) -> np.ndarray:
-        """Share of the pedestrians that are detected (detection rate), 1 is best; (n_points,)."""
+        """Share of the pedestrians that are detected (detection rate), 1 is best, (n_points,)."""
         return _ratio(self.tp, self.n_truth)
 
     @property
     def miss_rate(self) -> np.ndarray:
-        """Share of the pedestrians that are missed, 0 is best; (n_points,)."""
+        """Share of the pedestrians that are missed, 0 is best, (n_points,)."""
         return _ratio(self.n_truth - self.tp, self.n_truth)
 
     @property
     def precision(self) -> np.ndarray:
-        """Share of the detections that are right, 1 is best; NaN without any; (n_points,)."""
+        """Share of the detections that are right, 1 is best, NaN without any, (n_points,)."""
         return _ratio(self.tp, self.tp + self.fp)
 
     @property
     def f1(self) -> np.ndarray:
-        """Harmonic mean of precision and recall, 1 is best; (n_points,)."""
+        """Harmonic mean of precision and recall, 1 is best, (n_points,)."""
         if not self.n_truth:
             return np.full(len(self), np.nan)
         return _ratio(2 * self.tp, self.tp + self.fp + self.n_truth)
 
     @property
     def fppi(self) -> np.ndarray:
-        """False positives per image, images without detections included; (n_points,)."""
+        """False positives per image, including images without detections, (n_points,)."""
         return _ratio(self.fp, self.n_images)
 
     def fppw(self, windows_per_image: float) -> np.ndarray:
-        """False positives per window, 0 is best; (n_points,).
+        """Compute the false positives per window, 0 is best, (n_points,).
 
         Parameters
         ----------
         windows_per_image
-            Windows that the detector examines in an image, the mean where images differ
+            Number of windows that the detector examines per image, the mean if images differ
             (`nvcore.detection.windows`).
 
         Raises
@@ -153,7 +153,9 @@ class DetectionCurve:
         return self.fppi / windows_per_image
 
     def at(self, threshold: float | None) -> CurvePoint:
-        """Operating point at a threshold: the point of the lowest score that passes it.
+        """Return the operating point at a threshold: the point of the lowest score that passes it.
+
+        With None, every detection counts. Above all scores, nothing is detected.
 
         None: every detection counts. Above all scores nothing is detected.
         """
@@ -174,14 +176,14 @@ class DetectionCurve:
         )
 
     def n_absorbed(self, threshold: float | None) -> int:
-        """Detections that ignored boxes absorb at a threshold; None: at any score."""
+        """Count the detections that ignored boxes absorb at a threshold (None: at any score)."""
         if threshold is None:
             return len(self.absorbed_score)
         return int(np.count_nonzero(~(self.absorbed_score < threshold)))
 
     @property
     def why_undefined(self) -> str | None:
-        """Why areas and averages of the curve are undefined; None where they are defined."""
+        """Reason why areas and averages of the curve are undefined, or None."""
         if not self.n_truth:
             return "no box of the truth counts under this protocol"
         if self.is_ranked:
@@ -193,14 +195,14 @@ class DetectionCurve:
 
 @dataclass(frozen=True, eq=False)
 class Outcomes:
-    """What became of each counted detection of one system; their sums make a curve.
+    """Outcome of each counted detection of one system, from which a curve is summed.
 
     Attributes
     ----------
     score
-        Descending, those without a score (NaN) last; float64, (n,).
+        Scores in descending order, missing ones (NaN) last; float64, (n,).
     is_match
-        Whether it is a pedestrian; else a false positive; bool, (n,).
+        True for a match, False for a false positive; bool, (n,).
     frame_index
         Row of the frames table; int64, (n,).
     recording
@@ -210,8 +212,8 @@ class Outcomes:
     truth
         The ground truth under the protocol.
     absorbed_score
-        Of the detections that are left out because ignored boxes absorb them; float64, in the
-        order of the frames.
+        Scores of the detections that are left out because ignored boxes absorb them; float64, in
+        the order of the frames.
     """
 
     score: np.ndarray
@@ -232,16 +234,17 @@ def detection_curve(
     *,
     recordings: np.ndarray | None = None,
 ) -> DetectionCurve:
-    """The curve of one system over all score thresholds.
+    """Compute the curve of one system over all score thresholds.
 
     Parameters
     ----------
     params
-        Says when a detection matches; its thresholds are not used.
+        Settings for matching. Its thresholds are not used.
     protocol
         Which pedestrians count.
     recordings
-        Recordings that may count, besides the protocol's tags; bool, (n_recordings,); None: all.
+        Recordings that may count, in addition to the protocol's tags; bool, (n_recordings,); None:
+        all.
 
     Raises
     ------
@@ -250,9 +253,9 @@ def detection_curve(
 
     Notes
     -----
-    Detections take pedestrians in descending score, so one matching gives all points. Detections
-    without a score come after all others and may take what a threshold sets free: a system that
-    has both kinds is matched again at each of at most `MIXED_POINTS` thresholds.
+    Detections are matched in descending score order, so one matching gives all points. Detections
+    without a score come last and may take pedestrians that a higher threshold leaves unmatched. A
+    system with both kinds is therefore matched again at each of at most `MIXED_POINTS` thresholds.
     """
     truth = filter_truth(dataset, protocol, recordings=recordings)
     detections = _taking_part(dataset, system, protocol)
@@ -293,7 +296,10 @@ def detection_outcomes(
     params: Params,
     protocol: Protocol = PROTOCOLS["all"],
 ) -> Outcomes:
-    """What became of each detection, at the lowest threshold (for resampling of recordings).
+    """Return the outcome of each detection at the lowest threshold, for resampling recordings.
+
+    Parameters and errors are those of `detection_curve`. Detections absorbed by ignored boxes are
+    left out.
 
     Parameters and errors as `detection_curve`. Detections that ignored boxes absorb are left out.
     """
@@ -307,7 +313,10 @@ def detection_outcomes(
 
 
 def curve_table(curve: DetectionCurve, *, windows_per_image: float | None = None) -> pd.DataFrame:
-    """One row per point, thresholds descending: `CURVE_COLUMNS`; fppw needs `windows_per_image`.
+    """Tabulate a curve: `CURVE_COLUMNS`, one row per point, thresholds descending.
+
+    The column fppw needs `windows_per_image`. The ROC is `recall` (detection rate) over `fppi` or
+    `fppw`.
 
     The ROC is `recall` (detection rate) over `fppi` or `fppw`.
     """
@@ -359,14 +368,14 @@ def _outcomes(
 
 
 def _taking_part(dataset: Dataset, system: str, protocol: Protocol) -> BoxColumns:
-    """Detections of a system without those that the protocol leaves out."""
+    """Return the detections of a system that take part in the protocol."""
     detections = dataset.system(system)
     takes_part = filter_detections(detections, protocol)
     return detections if takes_part.all() else detections.only(takes_part)
 
 
 def _ratio(part: np.ndarray, whole: np.ndarray | int) -> np.ndarray:
-    """Quotient; NaN where the whole is 0."""
+    """Divide elementwise, giving NaN if the whole is 0."""
     divisor = np.broadcast_to(np.asarray(whole, dtype=float), part.shape)
     quotient = np.full(part.shape, np.nan)
     np.divide(part, divisor, out=quotient, where=divisor > 0)

@@ -1,4 +1,4 @@
-"""The ground truth under a protocol: one set of pedestrians for both systems."""
+"""Ground truth under a protocol: one set of pedestrians for both systems."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ ASPECT: Final = "aspect ratio"
 
 @dataclass(frozen=True, eq=False)
 class FilteredTruth:
-    """The ground truth under a protocol: the same set for every system.
+    """Ground truth under a protocol, the same set for every system.
 
     Attributes
     ----------
     protocol
         Which pedestrians count.
     truth
-        The same boxes in the same rows, with those that the protocol leaves out ignored.
+        The same boxes in the same rows, with boxes excluded by the protocol marked as ignored.
     is_counted
         Frames of the recordings that count; bool, (n_frames,).
     n_left_out
-        Boxes that the ground truth flags, and unflagged ones that each filter leaves out, by
-        filter; a box that several filters leave out counts for each.
+        Numbers of boxes that the ground truth flags, and of unflagged boxes that each filter
+        excludes, by filter. A box excluded by several filters counts for each.
     n_unknown_occlusion
-        Unflagged boxes whose occlusion is unknown.
+        Number of unflagged boxes whose occlusion is unknown.
     """
 
     protocol: Protocol
@@ -49,23 +49,23 @@ class FilteredTruth:
 
     @property
     def counts(self) -> np.ndarray:
-        """Truth boxes that count: not ignored, in a counted frame; bool, (n_truth,)."""
+        """Truth boxes that count (not ignored, in a counted frame), bool, (n_truth,)."""
         counts: np.ndarray = ~self.truth.ignore & self.is_counted[self.truth.frame_index]
         return counts
 
     @property
     def n_truth(self) -> int:
-        """Pedestrian boxes that count."""
+        """Number of pedestrian boxes that count."""
         return int(np.count_nonzero(self.counts))
 
     @property
     def n_ignored(self) -> int:
-        """Truth boxes in the counted frames that do not count."""
+        """Number of truth boxes in the counted frames that do not count."""
         return int(np.count_nonzero(self.truth.ignore & self.is_counted[self.truth.frame_index]))
 
     @property
     def left_out(self) -> str:
-        """How many boxes are ignored and why, in words; "" where none is."""
+        """Sentence with the number of ignored boxes and the reasons, or "" if there are none."""
         if not self.n_ignored:
             return ""
         n_by = {name: n for name, n in self.n_left_out.items() if n}
@@ -78,19 +78,22 @@ class FilteredTruth:
 
     @property
     def n_images(self) -> int:
-        """Frames that count, with and without boxes."""
+        """Number of frames that count, with and without boxes."""
         return int(np.count_nonzero(self.is_counted))
 
 
 def filter_truth(
     dataset: Dataset, protocol: Protocol, *, recordings: np.ndarray | None = None
 ) -> FilteredTruth:
-    """The ground truth under a protocol; nothing is deleted, left-out boxes become ignored.
+    """Apply a protocol to the ground truth.
+
+    Nothing is deleted: excluded boxes become ignored.
 
     Parameters
     ----------
     recordings
-        Recordings that may count, besides the protocol's own; bool, (n_recordings,); None: all.
+        Recordings that may count, in addition to the protocol's own choice; bool, (n_recordings,);
+        None: all.
 
     Raises
     ------
@@ -131,7 +134,7 @@ def filter_truth(
 
 
 def filter_detections(detections: BoxColumns, protocol: Protocol) -> np.ndarray:
-    """Detections that the protocol lets take part; bool, (n_det,)."""
+    """Return which detections take part in the protocol, bool, (n_det,)."""
     if protocol.expand is None:
         return np.ones(len(detections), dtype=bool)
     low, high = protocol.height_px
@@ -139,7 +142,7 @@ def filter_detections(detections: BoxColumns, protocol: Protocol) -> np.ndarray:
 
 
 def has_tags(dataset: Dataset, tags: tuple[str, ...]) -> np.ndarray:
-    """Recordings that have all of the tags; bool, (n_recordings,)."""
+    """Return which recordings have all of the tags, bool, (n_recordings,)."""
     required = set(tags)
     # a loop over recordings: hundreds at most
     has_all = [required <= set(recording_tags) for recording_tags in dataset.recordings["tags"]]
@@ -147,7 +150,7 @@ def has_tags(dataset: Dataset, tags: tuple[str, ...]) -> np.ndarray:
 
 
 def _is_named(dataset: Dataset, protocol: Protocol) -> np.ndarray:
-    """Recordings that the protocol chooses by name; bool, (n_recordings,)."""
+    """Return which recordings the protocol selects by name, bool, (n_recordings,)."""
     names = dataset.recordings["name"]
     if not protocol.recordings:
         return np.ones(len(names), dtype=bool)
@@ -162,7 +165,7 @@ def _is_named(dataset: Dataset, protocol: Protocol) -> np.ndarray:
 
 
 def known_tags(dataset: Dataset) -> tuple[str, ...]:
-    """All tags of the recordings, sorted."""
+    """Return all tags of the recordings, sorted."""
     return tuple(sorted({tag for tags in dataset.recordings["tags"] for tag in tags}))
 
 
@@ -191,7 +194,7 @@ def _at_border(
     height: np.ndarray,
     margins: tuple[float, float, float, float] | None,
 ) -> np.ndarray:
-    """Boxes that reach into the margins of their picture; bool, (n,)."""
+    """Return which boxes reach into the margins of their picture, bool, (n,)."""
     if margins is None:
         return np.zeros(len(boxes), dtype=bool)
     left, top, right, bottom = margins

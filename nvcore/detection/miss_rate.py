@@ -12,7 +12,7 @@ from nvcore.objects import Objects
 from nvcore.wording import number
 
 FPPI_REFERENCES: Final = np.logspace(-2.0, 0.0, 9)
-"""Nine false positives per image, evenly spaced in logarithm: 10^-2, 10^-1.75, ..., 1."""
+"""Nine values of false positives per image, evenly spaced in logarithm: 10^-2, 10^-1.75, ..., 1."""
 FPPI_REFERENCES.flags.writeable = False
 
 FEW_PEDESTRIANS: Final = 100
@@ -21,20 +21,21 @@ FEW_PEDESTRIANS: Final = 100
 ROUNDED_REFERENCES: Final = np.array(
     [0.0100, 0.0178, 0.0316, 0.0562, 0.1000, 0.1778, 0.3162, 0.5623, 1.0000]
 )
-"""The same, rounded as in KAIST's Python script; one false positive can make the difference."""
+"""The same values, rounded as in KAIST's Python script. One false positive can make a difference.
+"""
 ROUNDED_REFERENCES.flags.writeable = False
 
 
 def miss_rate_at(curve: DetectionCurve, fppi: np.ndarray | float) -> np.ndarray:
-    """Miss rate at given false positives per image, 0 is best.
+    """Return the miss rate at given false positives per image, 0 is best.
 
-    The miss rate of the last point with at most `fppi`; 1.0 where there is none, since nothing is
-    detected at so few.
+    This is the miss rate of the last point with at most `fppi`, or 1.0 if there is none, since
+    nothing is detected at so few.
 
     Parameters
     ----------
     fppi
-        False positives per image, any shape; NaN results where ``curve.why_undefined``.
+        False positives per image, any shape. Results are NaN if ``curve.why_undefined``.
     """
     references = np.asarray(fppi, dtype=float)
     if curve.why_undefined:
@@ -47,7 +48,11 @@ def miss_rate_at(curve: DetectionCurve, fppi: np.ndarray | float) -> np.ndarray:
 def log_average_miss_rate(
     curve: DetectionCurve, *, references: np.ndarray = FPPI_REFERENCES
 ) -> float:
-    """Geometric mean of the miss rate at nine FPPI from 0.01 to 1 (LAMR), 0 is best.
+    """Compute the geometric mean of the miss rate at nine FPPI from 0.01 to 1 (LAMR), 0 is best.
+
+    ``exp(mean(log(miss_rate_at(fppi))))``. A geometric mean with a zero is zero, so a system that
+    misses nobody at some reference has 0. The result is 1 without detections and NaN if
+    ``curve.why_undefined``.
 
     ``exp(mean(log(miss_rate_at(fppi))))``. A geometric mean with a zero is zero: a system that
     misses nobody at some reference has 0. Without detections 1; NaN where
@@ -77,7 +82,7 @@ def log_average_miss_rate(
 
 
 def explain_zero(rates: np.ndarray) -> str:
-    """Why the log-average of these miss rates at the nine references is 0; "" where it is not."""
+    """Explain why the log-average of these miss rates is 0, or return "" if it is not."""
     is_zero = rates == 0
     if is_zero.all():
         return f"nothing is missed at any of the {len(rates)} references"
@@ -90,12 +95,12 @@ def explain_zero(rates: np.ndarray) -> str:
 
 
 def explain_range(curve: DetectionCurve, rates: np.ndarray) -> tuple[str, ...]:
-    """What replaces the miss rate where a curve does not reach the references, in words.
+    """Explain the substitutes for the miss rate at references that the curve does not reach.
 
     Parameters
     ----------
     rates
-        Its miss rates at the references.
+        Miss rates of the curve at the references.
     """
     if curve.why_undefined or not len(curve) or not rates.any():
         return ()
@@ -120,7 +125,7 @@ def explain_range(curve: DetectionCurve, rates: np.ndarray) -> tuple[str, ...]:
 
 
 def explain_few(n_truth: int, objects: Objects) -> str:
-    """A warning where few objects count; "" from `FEW_PEDESTRIANS` on and without any."""
+    """Return a warning if few objects count, or "" if none or at least `FEW_PEDESTRIANS` count."""
     if not 0 < n_truth < FEW_PEDESTRIANS:
         return ""
     return (

@@ -1,4 +1,4 @@
-"""Operating points: what a score threshold leaves of a system, and thresholds that are fair."""
+"""Operating points: the effect of a score threshold on a system, and fair thresholds."""
 
 from __future__ import annotations
 
@@ -18,16 +18,17 @@ from nvcore.schema import DetectionState
 CURVE_POINTS: Final = 200
 """Most points of a false-alarm curve."""
 MIXED_POINTS: Final = 25
-"""Most points of a curve if some detections have no score: each then takes its own matching."""
+"""Most points of a curve if some detections have no score, since each point is matched separately.
+"""
 LEAST_DECIMALS: Final = 2
-"""Fewest decimals of a proposed threshold: those of a slider's step."""
+"""Fewest decimals of a proposed threshold, equal to those of a slider's step."""
 MAX_DECIMALS: Final = 6
 """Most decimals of a proposed threshold."""
 
 UNEQUAL: Final = 1.5
-"""Numbers of false alarms are unequal if the larger is more than this many times the smaller."""
+"""Ratio above which two numbers of false alarms count as unequal."""
 LEAST_MORE: Final = MIN_DISCORDANT
-"""Least difference of unequal numbers: a smaller one may be chance, as with encounters."""
+"""Least difference of unequal numbers. A smaller one may be chance, as with encounters."""
 
 CURVE_COLUMNS: Final = (
     "threshold",
@@ -40,18 +41,19 @@ CURVE_COLUMNS: Final = (
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """What one threshold leaves of one system.
+    """Detections and false alarms of one system at a threshold.
 
     Attributes
     ----------
     threshold
         Detections with a lower score are left out; None: every detection counts.
     n_kept
-        Detections that pass it.
+        Number of detections that pass it.
     n_false_alarms
-        Of these, those that match nobody and that no ignore region absorbs; 0 is best.
+        Number of passing detections that neither match nor are absorbed by an ignore region; 0 is
+        best.
     false_alarms_per_frame, false_alarms_per_minute
-        Of listed frames, of recording time; NaN without frames.
+        Rates by listed frames and by recording time; NaN without frames.
     """
 
     threshold: float | None
@@ -63,19 +65,22 @@ class OperatingPoint:
 
 @dataclass(frozen=True)
 class SameOperatingPoint:
-    """X as it is, and Y at the threshold at which it has the most similar false alarms."""
+    """X at its own threshold, and Y at the threshold with the most similar false alarms."""
 
     x: OperatingPoint
     y: OperatingPoint
 
     @property
     def threshold_y(self) -> float | None:
-        """Threshold for Y; None: every detection counts, and Y has no more false alarms than X."""
+        """Threshold for Y.
+
+        None means that every detection counts and Y has no more false alarms than X.
+        """
         return self.y.threshold
 
 
 def are_unequal_alarms(n_one: int, n_other: int) -> bool:
-    """Whether systems with so many false alarms are at different operating points.
+    """Whether systems with these numbers of false alarms are at different operating points.
 
     Examples
     --------
@@ -89,7 +94,9 @@ def are_unequal_alarms(n_one: int, n_other: int) -> bool:
 def operating_point(
     dataset: Dataset, system: str, params: Params, *, threshold: float | None
 ) -> OperatingPoint:
-    """What a threshold leaves of a system; `params` say when a detection matches.
+    """Return the operating point of a system at a threshold.
+
+    `params` define matching. Their thresholds are not used.
 
     The thresholds of `params` are not used.
 
@@ -102,7 +109,7 @@ def operating_point(
 
 
 def point_of_matches(dataset: Dataset, matches: Matches, threshold: float | None) -> OperatingPoint:
-    """The operating point at which these matches were made; nothing is matched again."""
+    """Return the operating point of existing matches, without matching again."""
     n_kept = int(np.count_nonzero(matches.state != DetectionState.BELOW))
     n_alarms = int(np.count_nonzero(matches.is_false_alarm))
     per_frame, per_minute = _rates(dataset, np.array([n_alarms]))
@@ -110,7 +117,7 @@ def point_of_matches(dataset: Dataset, matches: Matches, threshold: float | None
 
 
 def alarms_at_rate(dataset: Dataset, per_frame: float) -> int:
-    """How many false alarms so many per frame are.
+    """Convert false alarms per frame into a number of false alarms.
 
     Raises
     ------
@@ -125,19 +132,19 @@ def alarms_at_rate(dataset: Dataset, per_frame: float) -> int:
 def false_alarm_curve(
     dataset: Dataset, system: str, params: Params, *, n_points: int = CURVE_POINTS
 ) -> pd.DataFrame:
-    """Detections kept and false alarms at thresholds from the lowest to the highest score.
+    """Count kept detections and false alarms at thresholds from the lowest to the highest score.
 
     Returns
     -------
-    Columns `CURVE_COLUMNS`, at most `n_points` rows, thresholds increasing. A system without
-    scores that differ has no rows: a threshold keeps all of its detections or none.
+    Columns `CURVE_COLUMNS`, at most `n_points` rows, thresholds increasing. A system whose scores
+    do not differ has no rows, because a threshold keeps all of its detections or none.
 
     Notes
     -----
-    Detections take pedestrians in descending score, so a threshold changes nothing for those
-    above it: one matching gives all points. Detections without a score come after all others and
-    may take what a threshold sets free; a system that has both kinds is matched again at each of
-    at most `MIXED_POINTS` points.
+    Detections are matched in descending score order, so a threshold changes nothing for those above
+    it, and one matching gives all points. Detections without a score come last and may take
+    pedestrians that a higher threshold leaves unmatched. A system with both kinds is therefore
+    matched again at each of at most `MIXED_POINTS` points.
 
     Raises
     ------
@@ -162,14 +169,18 @@ def false_alarm_curve(
 
 
 def thinned(values: np.ndarray, most: int) -> np.ndarray:
-    """The values, or as many as `most` of them, evenly chosen, the first and the last included."""
+    """Return at most `most` of the values, evenly spaced, including the first and the last."""
     if len(values) <= most:
         return values
     return values[np.linspace(0, len(values) - 1, most).round().astype(np.int64)]
 
 
 def same_operating_point(dataset: Dataset, params: Params, x: str, y: str) -> SameOperatingPoint:
-    """The threshold at which Y has as many false alarms per frame as X at its own threshold.
+    """Find the threshold at which Y has as many false alarms per frame as X at its own threshold.
+
+    X uses ``params.threshold_x``. Y gets the number of false alarms closest to X's that a threshold
+    can give (the lower one on a tie). Of the thresholds that give it, the lowest round one is
+    chosen, so that no match is lost needlessly.
 
     X is taken at ``params.threshold_x``. Y gets the number of false alarms closest to X's that a
     threshold can give (of two equally close, the lower), by the lowest round threshold that gives
@@ -188,7 +199,11 @@ def same_operating_point(dataset: Dataset, params: Params, x: str, y: str) -> Sa
 def choose_moved(
     has_scores: Sequence[bool], n_alarms: Sequence[int], n_kept: Sequence[int]
 ) -> int | None:
-    """Which system gets another threshold so that all have equally many false alarms.
+    """Choose the system whose threshold changes so that all have equally many false alarms.
+
+    This is the system with the most false alarms among those with scores (with more detections on a
+    tie). Raising a threshold is always possible, while lowering it reaches no further than the
+    scores.
 
     Of those with scores, the one with more false alarms (of equals, the one with more detections):
     to raise a threshold is always possible, to lower it leads no further than the scores do.
@@ -196,11 +211,11 @@ def choose_moved(
     Parameters
     ----------
     has_scores, n_alarms, n_kept
-        Of each system: whether a threshold could move it, its false alarms, its detections.
+        For each system: whether a threshold can change it, its false alarms, its detections.
 
     Returns
     -------
-    Its index, the first of several; None: no system has scores.
+    Index of the system, the first one on a tie; None if no system has scores.
 
     Examples
     --------
@@ -219,7 +234,10 @@ def threshold_with_alarms(
     *,
     end: Literal["round", "lowest", "highest"] = "round",
 ) -> float | None:
-    """Threshold that gives the number of false alarms closest to `n_target`; None: all.
+    """Return the threshold whose number of false alarms is closest to `n_target`, None for all.
+
+    The thresholds of `params` are not used. At least one counted detection is kept, because a
+    threshold that switches the system off is no operating point.
 
     The thresholds of `params` are not used. At least one detection that counts is left: a
     threshold that switches the system off is no operating point.
@@ -227,7 +245,8 @@ def threshold_with_alarms(
     Parameters
     ----------
     end
-        Which of these thresholds: the lowest of few decimals, the lowest, or the highest.
+        Choice among equivalent thresholds: the lowest with few decimals, the lowest, or the
+        highest.
     """
     score = dataset.system(system).score
     matches = match_system(dataset, system, None, params)
@@ -259,12 +278,14 @@ def threshold_with_alarms(
 
 
 def threshold_for(scores: np.ndarray, n_scores: int) -> float | None:
-    """A round threshold that `n_scores` scores pass; None if there is none, or all or none pass.
+    """Return a round threshold that `n_scores` scores pass, or None.
+
+    None means that there is no such threshold, or that all scores or none would pass.
 
     Parameters
     ----------
     scores
-        In descending order, shape (n,).
+        Scores in descending order, shape (n,).
     """
     if not 0 < n_scores < len(scores):
         return None
@@ -272,7 +293,10 @@ def threshold_for(scores: np.ndarray, n_scores: int) -> float | None:
 
 
 def round_between(score_out: float, score_in: float) -> float | None:
-    """The lowest threshold of few decimals with ``score_out < threshold <= score_in``, or None.
+    """Return the lowest round threshold with ``score_out < threshold <= score_in``, or None.
+
+    The lowest one is used because scores between the two false alarms belong to matches, which
+    should stay.
 
     The lowest: scores between the two false alarms belong to matches, which should stay.
     """
@@ -286,12 +310,12 @@ def round_between(score_out: float, score_in: float) -> float | None:
 
 
 def score_histogram(dataset: Dataset, system: str, bins: int = 60) -> pd.DataFrame:
-    """How many detections of a system have scores from `low` to `high`; equally wide bins.
+    """Count a system's detections by score in equally wide bins from `low` to `high`.
 
     Returns
     -------
     Columns low, high, n; the last bin includes its upper end. Detections without a finite score
-    are not counted; without any finite score: no rows.
+    are not counted. Without any finite score there are no rows.
 
     Raises
     ------
@@ -307,13 +331,13 @@ def score_histogram(dataset: Dataset, system: str, bins: int = 60) -> pd.DataFra
 
 
 def _count_from(score: np.ndarray, thresholds: np.ndarray) -> np.ndarray:
-    """Number of scores at or above each threshold; int64."""
+    """Count the scores at or above each threshold, int64."""
     n_from: np.ndarray = len(score) - np.searchsorted(np.sort(score), thresholds, side="left")
     return n_from.astype(np.int64)
 
 
 def _rates(dataset: Dataset, n_alarms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """False alarms per frame and per minute."""
+    """Return false alarms per frame and per minute."""
     n_frames, duration_s = len(dataset.frames), dataset.frame_columns.duration_s
     undefined = np.full(len(n_alarms), np.nan)
     return (
@@ -323,13 +347,13 @@ def _rates(dataset: Dataset, n_alarms: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def has_one_score(dataset: Dataset, system: str) -> bool:
-    """Whether several detections all have the same score, which puts them in no order."""
+    """Whether there are several detections with one and the same score, which cannot rank them."""
     score = dataset.system(system).score
     return len(score) > 1 and bool(score.min() == score.max())
 
 
 def span_of_scores(dataset: Dataset, system: str) -> tuple[float, float] | None:
-    """Lowest and highest score of a system; None if no two finite scores differ."""
+    """Return the lowest and highest score of a system, or None if no two finite scores differ."""
     score = dataset.system(system).score
     score = score[np.isfinite(score)]
     if not len(score) or score.min() == score.max():

@@ -1,4 +1,4 @@
-"""How many windows a sliding-window detector examines in an image."""
+"""Number of windows that a sliding-window detector examines in an image."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _TINY: Final = 1e-6  # px: tolerates a picture that is too small by a rounding e
 
 @dataclass(frozen=True)
 class WindowGrid:
-    """A window that slides over an image, which is shrunk by one scale after another.
+    """Window that slides over an image, which is shrunk by one scale after another.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class WindowGrid:
     scales
         Divisors of the image's size.
     count
-        ``"whole"``: the windows that lie wholly in the shrunk image, counted exactly,
+        ``"whole"``: exact count of the windows that lie entirely in the shrunk image,
         ``(floor((W/s - w) / stride) + 1) * (floor((H/s - h) / stride) + 1)``. ``"area"``: the
         formula of some reports, ``(W/s - w) * (H/s - h) / stride^2``.
 
@@ -56,7 +56,7 @@ class WindowGrid:
             raise ParameterError(f"count: expected whole or area, got {self.count!r}")
 
     def per_image(self, width: np.ndarray | float, height: np.ndarray | float) -> np.ndarray:
-        """Windows in images of a size in px; float64, in the common shape of both."""
+        """Count the windows in images of a size in px, float64, in the common shape of both."""
         scales = np.array(self.scales)
         across = np.asarray(width, dtype=float)[..., None] / scales - self.width
         down = np.asarray(height, dtype=float)[..., None] / scales - self.height
@@ -70,12 +70,12 @@ class WindowGrid:
 
 
 def scale_steps(first: float, last: float, step: float) -> tuple[float, ...]:
-    """Scales from the first to the last, both included.
+    """Return the scales from the first to the last, both included.
 
     Raises
     ------
     ParameterError
-        If they do not go up from a positive first one.
+        If the scales do not increase from a positive first one.
 
     Examples
     --------
@@ -92,7 +92,7 @@ def scale_steps(first: float, last: float, step: float) -> tuple[float, ...]:
 
 
 def windows_per_image(dataset: Dataset, is_counted: np.ndarray, grid: WindowGrid) -> float:
-    """Mean number of windows over images; NaN without images.
+    """Return the mean number of windows over images, or NaN without images.
 
     Parameters
     ----------
@@ -107,6 +107,6 @@ def windows_per_image(dataset: Dataset, is_counted: np.ndarray, grid: WindowGrid
 
 
 def _places(room: np.ndarray, stride: float) -> np.ndarray:
-    """Positions of a window along a side that is `room` px longer than the window."""
+    """Count the positions of a window along a side that is `room` px longer than the window."""
     places: np.ndarray = np.floor((room + _TINY) / stride) + 1
     return places
