@@ -1,1 +1,1 @@
-"""Measures: what an entry says, the core's own entries by kind, and the table of all of them."""
+"""Measures: definition of an entry, the core's own entries by kind, and the table of all."""

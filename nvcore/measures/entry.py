@@ -1,4 +1,4 @@
-"""What an entry of `nvcore.measures.table.MEASURES` says of a measure."""
+"""Entries of `nvcore.measures.table.MEASURES`."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ HIGHER: Final = "higher"
 LOWER: Final = "lower"
 
 HOUR_S: Final = 3600.0
-"""Seconds of the rates per hour."""
+"""Seconds per hour, for hourly rates."""
 PER_HOUR: Final = "1/h"
-"""Their unit."""
+"""Unit of hourly rates."""
 NO_FRAMES: Final = "no evaluated frames"
 NO_RATE: Final = "less than ten minutes of evaluated frames"
 NO_EPISODES: Final = "no episodes"
 
 
 class MeasureTable(StrEnum):
-    """Tables of measures, X beside Y."""
+    """Tables of measures that show X beside Y."""
 
     SCORECARD = "scorecard"
     MISS_CLASSES = "miss classes"
@@ -39,14 +39,14 @@ class MeasureTable(StrEnum):
 
 
 class Parts(NamedTuple):
-    """The summands of a measure, each in the frame where it begins.
+    """Summands of a measure, each in the frame where it begins.
 
     Attributes
     ----------
     frame
         Row of the frames table; int64, shape (n,).
     value
-        The summand, shape (n,); None: 1 each.
+        Summands, shape (n,); None: 1 each.
     """
 
     frame: np.ndarray
@@ -55,14 +55,14 @@ class Parts(NamedTuple):
 
 @dataclass(frozen=True)
 class Condition:
-    """On which comparisons files have a measure, a column or a key.
+    """Condition on a comparison for its files to have a measure, a column or a key.
 
     Attributes
     ----------
     holds
-        Whether a comparison is one of them.
+        Returns True if a comparison meets the condition.
     otherwise
-        When files lack it, to follow "left out": ``without detectability``.
+        Description of the other comparisons, to follow "left out": ``without detectability``.
     """
 
     holds: Callable[[Result], bool]
@@ -70,22 +70,22 @@ class Condition:
 
 
 def is_met(condition: Condition | None, result: Result) -> bool:
-    """Whether files of a comparison have what depends on this; without a condition they do."""
+    """Whether a comparison meets a condition, which is always true for None."""
     return condition is None or condition.holds(result)
 
 
 @dataclass(frozen=True)
 class AxisScale:
-    """Axes on which differences of a measure are drawn; shares (``%``) in percentage points.
+    """Axes for differences of a measure, with shares (``%``) in percentage points.
 
     Attributes
     ----------
     form
-        Format specification of X and Y beside a forest plot.
+        Format specification for the values of X and Y beside a forest plot.
     least, least_reach
-        Least span of a forest plot's axis; half the least span of the report's own axis.
+        Least span of a forest plot's axis, and half the least span of the report's axis.
     unit
-        Unit in words, to follow "difference"; empty: none, or a share.
+        Unit in words, to follow "difference"; empty for shares and measures without a unit.
     """
 
     form: str
@@ -95,41 +95,43 @@ class AxisScale:
 
     @property
     def is_share(self) -> bool:
-        """Whether it is drawn in percentage points."""
+        """Whether the difference is drawn in percentage points."""
         return self.form.endswith("%")
 
 
 @dataclass(frozen=True)
 class Inference:
-    """How the difference of a measure is judged and shown with its evidence.
+    """Statistical test of a measure's difference, and its presentation.
 
     Attributes
     ----------
     test
         ``encounters``: McNemar's test; ``units``: bootstrap and permutation of sums over units;
-        ``curve``: the same of a detection curve (`nvcore.evidence.miss_rate`).
+        ``curve``: the same for a detection curve (`nvcore.evidence.miss_rate`).
     scale
         Scale of its axes.
     label, form
-        Where they differ from the measure's; a label may contain ``{units}``.
+        Label and format if they differ from the measure's. A label may contain ``{units}``.
     split
-        For ``encounters``: how many of those that count are good for both, one, or neither.
+        For ``encounters``: function that counts the relevant encounters that are good for both,
+        one, or neither.
     parts, per, factor
         For ``units``: the measure is `factor` times the sum of its parts over the sum of `per`, a
-        column of `nvcore.evidence.units.sum_units`. Parts are None where they cannot be shared out
-        to blocks of time. ``share_of_recording`` makes it a mean over recordings: if these are the
-        units, `by_recording` is used.
+        column of `nvcore.evidence.units.sum_units`. Parts are None if they cannot be split into
+        blocks of time. ``share_of_recording`` makes it a mean over recordings, which uses
+        `by_recording` if recordings are the units.
     not_in_blocks, not_of_pedestrians
-        Why blocks of time, and groups of pedestrians, may lack it; empty: they have it.
+        Reasons why blocks of time, or groups of pedestrians, may lack the measure; empty if they
+        have it.
     noun, noun_unit
-        What the verdict calls it where it lists measures; empty: not listed.
+        Name and unit in the verdict's list of measures; empty if not listed.
     needs_tracks
-        Whether it means little if encounters are single frames.
+        True if the measure means little when encounters are single frames.
     repeats
-        Key of the measure whose hypothesis this one tests again; empty: it has its own.
+        Key of the measure whose hypothesis this one tests again; empty for a hypothesis of its own.
     split_in_group
-        For ``encounters``: what `split` counts of a group, where that is not who detects the near
-        ones; for the columns of ``subgroups.csv``.
+        For ``encounters``: meaning of `split` within a group for the columns of ``subgroups.csv``,
+        unless it counts detected near encounters.
     """
 
     test: Literal["encounters", "units", "curve"]
@@ -151,51 +153,52 @@ class Inference:
 
 @dataclass(frozen=True)
 class Measure:
-    """One measure.
+    """A measure: a number that describes a system.
 
     Attributes
     ----------
     key
-        Its name in files and rules; a dot marks a nested entry of ``summary.json``.
+        Name in files and rules. A dot marks a nested entry of ``summary.json``.
     label
-        Its name for people, with unit and denominator: a template with words of the objects, as all
-        texts here, and with those of `label_words` (``{low}``, ``{n_near}``).
+        Name for people, with unit and denominator. Like all texts here it is a template with words
+        for the objects; it may also use the words of `label_words` (``{low}``, ``{n_near}``).
     form
-        Format specification of its values; ``d``: whole numbers.
+        Format specification of the values; ``d``: whole numbers.
     better
-        ``higher``, ``lower``; empty: neither.
+        ``higher``, ``lower``, or empty for neither.
     stages
-        Steps of the comparison that it is computed from.
+        Stages of the comparison that the measure is computed from.
     is_worsened_by_alarms
-        Whether false alarms can worsen it (or raise it, where neither way is better), so that a
-        rule about it can stop a system that fires everywhere.
+        True if false alarms can worsen the measure (or raise it, if neither direction is better),
+        so that a rule on it can reject a system that fires everywhere.
     of
-        Its value for a system; NaN undefined.
+        Function that returns the value for a system, NaN if undefined.
     of_curve
-        Its value for a detection curve, instead of `of`.
+        Function that returns the value for a detection curve, instead of `of`.
     unit, meaning, empty
-        Unit or range, a sentence, and when it is undefined, for ``summary.json`` and
-        ``recordings.csv``; a measure without meaning is not in ``summary.json``.
+        Unit or range, a sentence, and the case in which it is undefined, for ``summary.json`` and
+        ``recordings.csv``. A measure without `meaning` is not in ``summary.json``.
     by_recording
-        Its values by recording, shape (n_recordings,); None: not in ``recordings.csv``.
+        Function that returns the values by recording, shape (n_recordings,); None: not in
+        ``recordings.csv``.
     meaning_by_recording, empty_by_recording
-        The sentences there, where they differ.
+        Texts for ``recordings.csv`` if they differ.
     tables
-        Tables in which it has a row.
+        Tables in which the measure has a row.
     part
-        Its label where it is a part of the row above.
+        Label in a table where it is a part of the row above.
     applies
-        Whether a comparison has what it measures; without it no table shows the measure, and a rule
-        of the gate finds it undefined. None: always.
+        Returns True if the measure applies to a comparison. Otherwise no table shows it, and a gate
+        rule treats it as undefined. None: always.
     only_if
-        On which comparisons files have it; None: on all, undefined where it does not apply.
+        Condition for including the measure in files; None: always included, undefined where it does
+        not apply.
     rule
-        Its name in rules of the gate, for detection curves; others go by their key.
+        Name in gate rules, for detection curves. Other measures use their key.
     leads
-        Whether the scorecard in short has it.
+        True if the short scorecard includes it.
     inference
-        How its difference is judged, which needs a better way; None: it is not in the table of
-        evidence.
+        Test of the difference, which requires `better`; None: not in the table of evidence.
     """
 
     key: str
@@ -224,5 +227,5 @@ class Measure:
         assert self.better or not self.inference, f"{self.key}: no difference of it is better"
 
     def depends_on(self, setting: str) -> bool:
-        """Whether a setting of `Params` can change it."""
+        """Whether a setting of `Params` can change the measure."""
         return SETTINGS[setting].moves(self.stages)

@@ -19,7 +19,7 @@ def _of_curve(
     is_worsened_by_alarms: bool = True,
     inference: Inference | None = None,
 ) -> Measure:
-    """A measure of the detection curve; its key is the attribute of `CurveSummary`."""
+    """Create a measure of the detection curve. Its key is the attribute of `CurveSummary`."""
     return Measure(
         key,
         label,

@@ -1,4 +1,4 @@
-"""Measures of frames: what is shown, and similarity."""
+"""Measures of frames: detections and similarity."""
 
 from __future__ import annotations
 

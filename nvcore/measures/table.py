@@ -4,7 +4,7 @@ A measure is a number that describes a system (a figure is a chart). Its entry d
 the scorecard, the key of ``summary.json``, the columns of ``recordings.csv``, the name in rules of
 the gate, the rows of the table of evidence and of its groups, the axes of forest plots and of the
 report's intervals, and the tables of ``docs/report.md``. `nvcore.evidence` resamples and tests its
-difference. The entry only specifies the sums over frames that make up the measure.
+difference. The entry only provides the summands of the measure.
 """
 
 from __future__ import annotations
