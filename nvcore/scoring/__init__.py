@@ -1,4 +1,4 @@
-"""One system against the truth: every metric of it, and what a new setting can reuse."""
+"""Scoring of one system against the truth, reusing results that a new setting does not change."""
 
 from nvcore.scoring.result import SystemResult
 from nvcore.scoring.step import (

@@ -1,4 +1,4 @@
-"""Everything about one system; what few ask for is computed when it is asked for."""
+"""Result of scoring one system. Rarely used values are computed on demand."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from nvcore.params import Params
 
 @dataclass(frozen=True, eq=False)
 class SystemResult:
-    """Everything about one system.
+    """Result of scoring one system.
 
     Attributes
     ----------
@@ -48,9 +48,9 @@ class SystemResult:
     events
         Saliency events (`nvcore.metrics.saliency.find_events`).
     encounters
-        How the system did in each encounter (`nvcore.metrics.encounters.judge_encounters`).
+        Performance in each encounter (`nvcore.metrics.encounters.judge_encounters`).
     failures
-        What its failures weigh in each encounter (`nvcore.metrics.severity.weigh_failures`).
+        Weight of its failures in each encounter (`nvcore.metrics.severity.weigh_failures`).
     episodes
         False-alert episodes (`nvcore.metrics.false_alarms.find_episodes`).
     summary
@@ -58,10 +58,10 @@ class SystemResult:
     false_alarm_summary
         Rates of false alarms over all recordings.
     saliency_s
-        Mean over the recordings of each one's saliency: its most salient event, or the sum of all
+        Mean saliency over recordings, each with its most salient event or the sum of all
         (`saliency_aggregate`); NaN without frames.
     made
-        What every step made, those of subjects too, by the step's name.
+        Results of all steps, including those of subjects, by step name.
     """
 
     name: str
@@ -88,19 +88,19 @@ class SystemResult:
 
     @cached_property
     def similarity_window(self) -> np.ndarray:
-        """Moving mean of similarity, 1 is best; float64, shape (n_frames,)."""
+        """Moving mean of similarity, 1 is best, float64, shape (n_frames,)."""
         return smooth(self.similarity, self._dataset.frame_columns, window=self._params.window)
 
     @cached_property
     def loss_miss(self) -> np.ndarray:
-        """What each frame loses to misses: ``alpha * D(G, S) / (W/2)``; float64, (n_frames,)."""
+        """Loss of each frame to misses, ``alpha * D(G, S) / (W/2)``, float64, (n_frames,)."""
         half_width = self._dataset.frame_columns.half_width
         lost: np.ndarray = self._params.alpha * self.distances.d_miss / half_width
         return lost
 
     @cached_property
     def loss_false(self) -> np.ndarray:
-        """What each frame loses to false alarms: ``(1 - alpha) * D(S, G) / (W/2)``; (n_frames,)."""
+        """Loss of each frame to false alarms, ``(1 - alpha) * D(S, G) / (W/2)``, (n_frames,)."""
         half_width = self._dataset.frame_columns.half_width
         lost: np.ndarray = (1 - self._params.alpha) * self.distances.d_false / half_width
         return lost
@@ -112,7 +112,7 @@ class SystemResult:
 
     @cached_property
     def worst_window_of_recordings(self) -> tuple[Window, ...]:
-        """The window with the lowest moving mean in every recording."""
+        """Window with the lowest moving mean in every recording."""
         return find_worst_windows(
             self.similarity,
             self.similarity_window,
@@ -122,7 +122,7 @@ class SystemResult:
 
     @cached_property
     def worst_window(self) -> Window:
-        """The window with the lowest moving mean of all recordings; undefined without frames."""
+        """Window with the lowest moving mean of all recordings, `NO_WINDOW` without frames."""
         windows = [window for window in self.worst_window_of_recordings if window.row >= 0]
         return min(windows, key=lambda window: window.mean, default=NO_WINDOW)
 

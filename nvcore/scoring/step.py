@@ -1,4 +1,4 @@
-"""Steps of a comparison: what each makes of the inputs and of other steps, kept where it can be."""
+"""Steps of a comparison, and the reuse of their results."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from nvcore.subjects import contributed
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """What every step may use.
+    """Inputs that every step may use.
 
     Attributes
     ----------
     dataset, params
-        What is compared, and how.
+        Dataset and settings of the comparison.
     tracks
-        Tracks of the truth, and where linking made them.
+        Tracks of the truth, and the recordings in which linking created them.
     encounters
         The encounters of the truth.
     """
@@ -50,35 +50,36 @@ class Inputs:
 
 @dataclass(frozen=True, eq=False)
 class SystemInputs(Inputs):
-    """What the steps of one system may use: the system and its threshold, too."""
+    """Inputs for the steps of one system, including its name and threshold."""
 
     name: str
     threshold: float | None
 
     @property
     def detections(self) -> BoxColumns:
-        """Boxes of the system, those below the threshold as well."""
+        """Boxes of the system, including those below the threshold."""
         return self.dataset.system(self.name)
 
 
 @dataclass(frozen=True, eq=False)
 class ScoringStep:
-    """One step.
+    """Step of a comparison.
 
     Attributes
     ----------
     name
         Name of its result.
     make
-        Its result from the inputs and the results that it `needs`, in their order.
+        Function that computes the result from the inputs and the results of `needs`, in that order.
     settings
-        The stages whose settings its result depends on; with the same settings the result of an
-        earlier comparison is taken.
+        Stages whose settings change the result. With equal settings, the result of an earlier
+        comparison is reused.
     needs
-        Names of other steps. A step of both systems may need those of each system: as (x, y).
+        Names of the steps it depends on. A ``both`` step gets the results of ``system`` steps as
+        (x, y).
     of
-        ``truth``: the same for all systems, made of `Inputs`; ``system``: made for X and for Y, of
-        `SystemInputs`; ``both``: made of X and Y together.
+        ``truth``: the same for all systems, computed from `Inputs`; ``system``: computed for X and
+        for Y from `SystemInputs`; ``both``: computed from X and Y together.
     """
 
     name: str
@@ -89,7 +90,10 @@ class ScoringStep:
 
 
 class Memo:
-    """Results of steps by what they depend on: a new setting repeats only what it changes."""
+    """Cache of step results by the settings they depend on.
+
+    A new setting only repeats the steps that it changes.
+    """
 
     def __init__(self, params: Params, previous: Mapping[tuple[Any, ...], Any]):
         self._params = params
@@ -97,7 +101,7 @@ class Memo:
         self.used: dict[tuple[Any, ...], Any] = {}
 
     def get(self, key: tuple[Any, ...], make: Callable[[], Any], settings: Sequence[Stage]) -> Any:
-        """The previous result if none of the settings of its stages has changed, else a new one."""
+        """Return the previous result if no setting of its stages has changed, else a new one."""
         key = (*key, *self._params.values_for(*settings))
         value = self._previous[key] if key in self._previous else make()
         self.used[key] = value
@@ -105,14 +109,14 @@ class Memo:
 
 
 class Made(Mapping[str, Any]):
-    """Results of steps by name, each made when it is first asked for.
+    """Results of steps by name, each computed on first access.
 
     Parameters
     ----------
     owner
-        The system and threshold that the results are about, or both of them; empty: the truth.
+        Key of the system and its threshold, or of both systems; empty for the truth.
     before
-        Finds the results of steps that are not among these.
+        Lookup for results of steps that are not in `steps`.
     """
 
     def __init__(
@@ -153,20 +157,20 @@ class Made(Mapping[str, Any]):
 def steps_of(
     kind: Literal["truth", "system", "both"], own: Sequence[ScoringStep]
 ) -> tuple[ScoringStep, ...]:
-    """The core's own steps of a kind, and then those of subjects."""
+    """Return the core's own steps of a kind, followed by those of subjects."""
     return tuple(step for step in chain(own, *contributed("steps")) if step.of == kind)
 
 
 @dataclass(frozen=True)
 class MissWeights:
-    """By what a subject multiplies the weight of missing each pedestrian.
+    """Factor by which a subject multiplies the weight of missing each pedestrian.
 
     Attributes
     ----------
     label
-        What that is, as a formula has it: ``(1 - detectability)``.
+        The factor as written in a formula: ``(1 - detectability)``.
     weigh
-        float64, shape (n_truth,), 0 to 1, by the settings; None: 1 for all of them.
+        Function that returns the factors, float64, shape (n_truth,), 0 to 1; None: 1 for all boxes.
     """
 
     label: str
@@ -174,13 +178,19 @@ class MissWeights:
 
 
 def miss_factors(dataset: Dataset, params: Params) -> dict[str, np.ndarray]:
-    """By what subjects multiply the weight of missing each pedestrian, by `MissWeights.label`."""
+    """Return the subjects' factors for the weight of missing each pedestrian.
+
+    The keys are `MissWeights.label`.
+    """
     factors = {of.label: of.weigh(dataset, params) for of in contributed("miss_weights")}
     return {label: weights for label, weights in factors.items() if weights is not None}
 
 
 def weigh_misses(k: np.ndarray, dataset: Dataset, params: Params, *, rows: Any = ...) -> np.ndarray:
-    """What missing each pedestrian weighs in similarity, saliency and severity, 0 to 1.
+    """Weigh the miss of each pedestrian for similarity, saliency and severity, 0 to 1.
+
+    The weight is ``k`` times the `miss_factors` of subjects. Only ``k`` decides which frames count
+    (``k >= 0.5``).
 
     ``k``, times the `miss_factors` of subjects. Which frames count (``k >= 0.5``) goes by ``k``
     alone.
@@ -190,7 +200,7 @@ def weigh_misses(k: np.ndarray, dataset: Dataset, params: Params, *, rows: Any =
     k
         Proximity weight of each truth box; float64, shape (n,).
     rows
-        Which boxes of the truth these are; all of them unless it is given.
+        Truth rows of these boxes, by default all.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The steps by which a system is scored against the truth, and the result that they make."""
+"""Steps that score a system against the truth, and their combined result."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ from nvcore.stages import (
 
 
 def nearest_of(dataset: Dataset, name: str, matches: Matches, params: Params) -> Nearest:
-    """Distances between the truth and a system's counted detections, as `pairing` says."""
+    """Compute distances between the truth and a system's counted detections, by `pairing`."""
     boxes, frames = (dataset.truth, dataset.system(name)), dataset.frame_columns
     if params.pairing == "matched":
         return measure_matched(*boxes, matches.truth_det, frames, distance=params.distance)
@@ -186,20 +186,20 @@ STEPS: Final[tuple[ScoringStep, ...]] = (
     ScoringStep("encounters", _judge_encounters, (ENCOUNTERS,), ("k_truth", "matches")),
     ScoringStep("failures", _weigh_failures, (SEVERITY,), ("k_truth", "cost", "matches")),
 )
-"""The core's own; those of subjects follow (`steps_of`)."""
+"""The core's own steps. Those of subjects follow (`steps_of`)."""
 
 
 def score_system(
     at: SystemInputs, truth: Made, memo: Memo, owner: tuple[int, float | None]
 ) -> SystemResult:
-    """Everything about one system, without reference to the other.
+    """Compute all results of one system, without reference to the other.
 
     Parameters
     ----------
     truth
-        What the steps about the truth made.
+        Results of the steps about the truth.
     owner
-        Number of the system, which stays when it is renamed, and its threshold.
+        Number of the system, which survives renaming, and its threshold.
     """
     made = dict(Made(steps_of("system", STEPS), at, memo, owner=owner, before=truth.__getitem__))
     return SystemResult(
