@@ -1,4 +1,4 @@
-"""More than chance? Units, intervals, paired tests, groups."""
+"""Statistical evidence on differences: units, intervals, paired tests, groups."""
 
 from nvcore.evidence.block_length import block_length
 from nvcore.evidence.bootstrap import BootstrapDifference, bootstrap_difference

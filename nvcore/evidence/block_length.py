@@ -1,4 +1,4 @@
-"""How long blocks of time must be so that one says little about the next."""
+"""Choice of the length of time blocks, so that successive blocks are nearly independent."""
 
 from __future__ import annotations
 
@@ -9,11 +9,15 @@ import numpy as np
 import scipy
 
 INSIGNIFICANT: Final = 2.0
-"""Autocorrelations below this many times sqrt(log10(n) / n) count as none."""
+"""Autocorrelations below this many times sqrt(log10(n) / n) count as zero."""
 
 
 def block_length(trace: np.ndarray, first: np.ndarray) -> int:
-    """Length in frames of the blocks for resampling a trace in blocks that do not overlap.
+    """Return the block length in frames for resampling a trace in non-overlapping blocks.
+
+    This is the automatic choice of Politis and White: the length that minimises the error of the
+    bootstrap's variance, from the trace's autocorrelations up to the lag at which they fade. Blocks
+    that do not overlap have a variance of ``2 * g(0)^2 * b / n``.
 
     The automatic choice of Politis and White: the length that minimises the error of the
     bootstrap's variance, from the trace's autocorrelations up to the lag at which they fade.
@@ -71,7 +75,9 @@ def block_length(trace: np.ndarray, first: np.ndarray) -> int:
 
 
 def autocovariance(trace: np.ndarray, first: np.ndarray, *, n_lags: int) -> np.ndarray:
-    """Autocovariance at lags 0..n_lags within recordings, over the number of frames of all.
+    """Return the autocovariance at lags 0..n_lags within recordings, over the number of all frames.
+
+    There are fewer lags if the longest recording has fewer frames.
 
     Fewer lags where the longest recording has fewer frames.
     """

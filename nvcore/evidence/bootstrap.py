@@ -15,31 +15,30 @@ SEED: Final = 110360
 """Seed of every resampling, so that the same input gives the same numbers."""
 N_RESAMPLES: Final = 10_000
 CONFIDENCE: Final = 0.95
-"""Nominal share of intervals that hold the true difference."""
+"""Nominal share of intervals that contain the true difference."""
 MIN_UNITS: Final = 8
-"""Fewest units for an interval. In 1,500 simulations the 95 % interval of 8 draws held the true
-mean in 93 % where these were normal, in 87 % where lognormal (sigma 1); of 6 draws in 94 and 85 %,
-its ends being set by a few of only 462 distinct resamples."""
+"""Fewest units for an interval. In 1,500 simulations, the 95 % interval of 8 draws contained the
+true mean in 93 % of cases for normal and in 87 % for lognormal values (sigma 1). With 6 draws these
+were 94 and 85 %, and the ends depended on a few of only 462 distinct resamples."""
 INTERVAL_RULE: Final = (
     "An interval need not have the difference in its middle: it reaches further to the side of the "
     "recordings that differ most, which a resample may have twice or three times, and its ends are "
     "moved outwards the more, the fewer recordings there are."
 )
-"""Why an interval is where it is, for those who wonder."""
+"""Explanation of the position of an interval for curious readers."""
 ROWS_AT_ONCE: Final = 100_000
-"""Drawn units held in memory at a time; fastest where they fit the cache."""
+"""Number of drawn units held in memory at a time; fastest if they fit the cache."""
 LEAST_SPREAD: Final = 0.3
-"""A draw counts with at least this share of the parts' spread in the studentised bootstrap. Draws
-of few distinct parts have next to none: ten recordings that favour X and one that favours neither
-would be no evidence. In simulations of skewed parts the level is what it is with 0; 0.5 is too
-much."""
+"""Least spread of a draw in the studentised bootstrap, as a share of the parts' spread. Draws of
+few distinct parts have almost none: ten recordings that favour X and one that favours neither would
+be no evidence. In simulations of skewed parts the level is the same as with 0; 0.5 is too much."""
 ROUNDING: Final = 1e-12
 """Differences smaller than this share of the values count as rounding."""
 
 KEPT_BYTES: Final = 65_536
-"""Of units up to this size the interval is remembered."""
+"""Largest size of units whose interval is cached."""
 Statistic = Callable[[np.ndarray], np.ndarray]
-"""A measure from sums over units: shape (..., *columns) to shape (...)."""
+"""Function that computes a measure from sums over units: shape (..., *columns) to shape (...)."""
 
 
 @dataclass(frozen=True)
@@ -49,17 +48,17 @@ class BootstrapDifference:
     Attributes
     ----------
     x, y, difference
-        The measure of both systems over all units, and ``x - y``; NaN undefined.
+        The measure of both systems over all units, and ``x - y``; NaN if undefined.
     low, high
-        Ends of the interval; NaN where there is none, `reason` says why.
+        Ends of the interval; NaN if there is none (see `reason`).
     n_units
         Number of recordings or blocks of time that were resampled.
     n_resamples, seed
         Number of resamples; seed of the generator.
     method
-        Kind of interval, in words; empty without interval.
+        Kind of interval in words; empty without an interval.
     reason
-        Why there is no interval; empty where there is one.
+        Reason for the lack of an interval; empty if there is one.
     """
 
     x: float
@@ -75,7 +74,7 @@ class BootstrapDifference:
 
 
 def ratio(sums: np.ndarray) -> np.ndarray:
-    """First column over the second, shape (..., 2) to (...): a mean or a rate; NaN for 0 / 0."""
+    """Divide the first column by the second, shape (..., 2) to (...), giving NaN for 0 / 0."""
     with np.errstate(invalid="ignore", divide="ignore"):
         quotient: np.ndarray = sums[..., 0] / sums[..., 1]
     return quotient
@@ -91,7 +90,13 @@ def bootstrap_difference(
     seed: int = SEED,
     units: str = "units",
 ) -> BootstrapDifference:
-    """Interval for the difference X - Y of a measure, by resampling units (recordings) in pairs.
+    """Compute an interval for the difference X - Y by resampling units (recordings) in pairs.
+
+    Whole units are drawn with replacement, the same ones for X and Y, and the measure is computed
+    from their sums. Frames of one recording may therefore depend on each other in any way. The
+    interval is BCa (bias-corrected and accelerated). Its ends are moved outwards by Student's t to
+    allow for few units: the level is ``1 - 2 * Phi(-sqrt(n / (n - 1)) * t)``, where t is the
+    quantile of n - 1 degrees of freedom.
 
     Whole units are drawn with replacement, the same ones for X and Y, and the measure is computed
     from their sums, so that frames of one recording may depend on each other in any way. The
@@ -105,19 +110,19 @@ def bootstrap_difference(
         Sums of each unit, shape (n_units, *columns): for a rate two columns, numerator and
         denominator, with `ratio`; for a curve its counts at every threshold.
     statistic
-        The measure from such sums, vectorised over leading axes.
+        Function that computes the measure from such sums, vectorised over leading axes.
     shift
-        What is taken off each unit's part in the difference; the interval is then of the
-        difference less the mean of these. Float64, shape (n_units,); None: nothing.
+        Amount to subtract from each unit's part in the difference, float64, shape (n_units,). The
+        interval is then for the difference minus the mean shift. None: nothing.
     n_resamples
         0: no interval.
     units
-        What the reason calls the units, such as ``recordings``.
+        Name of the units in `reason`, such as ``recordings``.
 
     Returns
     -------
-    No interval, but the reason in words, for fewer than `MIN_UNITS` units, an undefined measure, or
-    units that all say the same.
+    The interval, or the reason for its lack: fewer than `MIN_UNITS` units, an undefined measure, or
+    identical units.
 
     References
     ----------
@@ -143,7 +148,7 @@ def bootstrap_difference(
 def _remembered(
     packed: tuple[tuple[bytes, str, tuple[int, ...]], ...], *choices: Any
 ) -> BootstrapDifference:
-    """As `_resample`, once for the same units: most settings move only some of the measures."""
+    """Call `_resample` with a cache by units, since most settings change only some measures."""
     return _resample(
         [np.frombuffer(of, kind).reshape(shape) for of, kind, shape in packed], *choices
     )
@@ -152,7 +157,7 @@ def _remembered(
 def _resample(
     arrays: Sequence[np.ndarray], statistic: Statistic, n_resamples: int, seed: int, units: str
 ) -> BootstrapDifference:
-    """As `bootstrap_difference`; of `x`, `y` and, if it is not None, `shift`."""
+    """Compute `bootstrap_difference` for `x`, `y` and, if not None, `shift`."""
     x, y, *shifts = arrays
     shift = shifts[0] if shifts else None
     n = len(x)
@@ -187,7 +192,7 @@ def _resample(
         sums_x, sums_y = sums[..., :n_columns], sums[..., n_columns:]
         lead = sums.shape[:-1]
         apart = statistic(sums_x.reshape(*lead, *shape)) - statistic(sums_y.reshape(*lead, *shape))
-        # BCa counts draws below the difference found: those that equal it do so on every machine
+        # BCa counts draws below the difference found, so draws equal to it must be equal everywhere
         return grain * np.round((apart - counts @ taken_off) / grain)
 
     options: dict[str, Any] = {
@@ -235,7 +240,10 @@ def _resample(
 
 
 def expanded_tail(n: int) -> float:
-    """Share of resamples beyond each end of a 95 % interval, moved outwards for few units.
+    """Return the share of resamples beyond each end of a 95 % interval, expanded for few units.
+
+    ``Phi(-sqrt(n / (n - 1)) * t)``, where t is the quantile of n - 1 degrees of freedom (Hesterberg
+    2015).
 
     ``Phi(-sqrt(n / (n - 1)) * t)``, t the quantile of n - 1 degrees of freedom (Hesterberg 2015).
     """
@@ -244,7 +252,10 @@ def expanded_tail(n: int) -> float:
 
 
 def pseudo_values(x: np.ndarray, y: np.ndarray, statistic: Statistic) -> np.ndarray:
-    """Contribution of each unit to the difference X - Y, shape (n_units,): jackknife pseudo-values.
+    """Compute each unit's contribution to X - Y (jackknife pseudo-values), shape (n_units,).
+
+    For a mean over units of equal weight these are the units' own differences. For other measures,
+    a unit contributes as much as the difference changes when it is left out.
 
     For a mean over units of equal weight these are the units' own differences; in other measures a
     unit counts by how much leaving it out changes the difference.
@@ -258,15 +269,15 @@ def pseudo_values(x: np.ndarray, y: np.ndarray, statistic: Statistic) -> np.ndar
 
 @dataclass(frozen=True, eq=False)
 class StudentisedTest:
-    """Whether the mean of some parts is 0, by the studentised bootstrap.
+    """Test of whether the mean of some parts is 0, by the studentised bootstrap.
 
     Attributes
     ----------
     p
-        Two-sided p-value; NaN where a part is undefined, or all are the same.
+        Two-sided p-value; NaN if a part is undefined or all are equal.
     t
-        t of every draw, positive on the side of the mean found; shape (n_resamples,), empty without
-        p-value.
+        t of every draw, positive on the side of the observed mean; shape (n_resamples,), empty
+        without a p-value.
     """
 
     p: float
@@ -280,7 +291,12 @@ def studentised_tests(
     n_resamples: int = N_RESAMPLES,
     seed: int = SEED,
 ) -> list[StudentisedTest]:
-    """The means of some parts tested against 0 by the studentised bootstrap (bootstrap-t).
+    """Test the means of some parts against 0 by the studentised bootstrap (bootstrap-t).
+
+    Units are drawn with replacement, the same ones for all parts. p is twice the share of draws
+    whose t is as far from the parts' mean, on the side of the observed mean. Unlike an exchange
+    test, this does not assume that positive and negative parts mirror each other, and so it allows
+    for skew.
 
     The units are drawn with replacement, the same ones for all parts; p is twice the share of draws
     whose t is as far from the parts' mean, on the side of the mean found. Unlike an exchange it
@@ -291,8 +307,8 @@ def studentised_tests(
     parts
         `pseudo_values` of each measure; shape (n_units, n_measures).
     is_part
-        Which units have a part in each measure, bool, likewise: the others are drawn with them, but
-        count neither in means nor in spreads. None: all.
+        Units that have a part in each measure, bool, in the same shape. The others are drawn too,
+        but count neither in means nor in spreads. None: all.
 
     References
     ----------
@@ -343,7 +359,7 @@ def studentised_tests(
 
 
 def count_units(units: np.ndarray, n: int) -> np.ndarray:
-    """How often each of n units was drawn; (..., n_drawn) to float64 (..., n)."""
+    """Count how often each of n units was drawn, (..., n_drawn) to float64 (..., n)."""
     flat = units.reshape(-1, units.shape[-1])
     by_draw = flat + n * np.arange(len(flat))[:, np.newaxis]
     counts = np.bincount(by_draw.ravel(), minlength=n * len(flat))

@@ -35,7 +35,7 @@ class Basis(StrEnum):
 
 @dataclass(frozen=True)
 class Claim:
-    """A difference that is more than chance.
+    """Difference that is more than chance.
 
     Attributes
     ----------

@@ -1,4 +1,8 @@
-"""Two further comparisons that guard against misreading: at equal false alarms, paired strictly.
+"""Two further comparisons that guard against misreading: equal false alarms, strict pairing.
+
+A lower threshold gives more detections and more false alarms, and a false alarm near a missed
+pedestrian raises similarity. So a claim of the verdict must also hold if both systems have equally
+many false alarms, and if boxes are paired strictly.
 
 A lower threshold gives more detections and more false alarms, and a false alarm near a missed
 pedestrian raises similarity. So whatever a verdict claims has to hold where both systems have
@@ -41,10 +45,10 @@ from nvcore.measures.table import inference_of
 from nvcore.protocols import PROTOCOLS, Protocol
 
 MOST_ERROR: Final = 0.5
-"""Largest standard error of the logarithm of the ratio of false alarms, X to Y, at which systems
-that are set unequally are judged at equal ones. Where false alarms are few, or most are in few
-recordings, setting the two alike in these says little of others: without this limit 9 % of pairs of
-equal systems with one false alarm in 50 frames were told apart (20 recordings)."""
+"""Largest standard error of log(false alarms of X / false alarms of Y) for judging unequally set
+systems at equal false alarms. If there are few false alarms, or most are in few recordings,
+equalising them there says little about other recordings. Without this limit, 9 % of pairs of equal
+systems with one false alarm in 50 frames were told apart (20 recordings)."""
 UNSURE: Final = (
     "false alarms are too few, or too unevenly spread over recordings, to set the two alike"
 )
@@ -52,17 +56,17 @@ UNSURE: Final = (
 
 @dataclass(frozen=True, eq=False)
 class Companions:
-    """The same two systems at equal false alarms, and paired strictly.
+    """The same two systems at equal false alarms, and with strict pairing.
 
     Attributes
     ----------
     equal
-        Both at equal false alarms; None: no threshold gives them, or they are not needed, since X
-        and Y are set alike and no difference could be claimed, or are at equal false alarms.
+        Comparison at equal false alarms. None if no threshold gives them, or if it is not needed: X
+        and Y already have equal false alarms, or are set alike without a claimable difference.
     evidence
         Evidence of `equal`, without intervals (`judge_equal_alarms`). None without `equal`.
     strict
-        The comparison that the verdict decides (`equal` if X and Y are at unequal operating
+        The comparison that the verdict is based on (`equal` if X and Y are at unequal operating
         points), with ``pairing="matched"``.
     """
 
@@ -79,7 +83,7 @@ def find_companions(
     miss_rate: Judged | None = None,
     primary: str | None = None,
 ) -> Companions:
-    """The companions of a comparison, reusing its stages.
+    """Compute the companions of a comparison, reusing its stages.
 
     Parameters
     ----------
@@ -119,7 +123,13 @@ def judge_equal_alarms(
     primary: str | None = None,
     has_intervals: bool = True,
 ) -> pd.DataFrame:
-    """`nvcore.evidence.measures.significance_table` of a comparison at equal false alarms.
+    """Return the `significance_table` of a comparison at equal false alarms.
+
+    Numbers of false alarms that are equal in these recordings would differ in others. p and
+    intervals allow for that (`shifts_at_equal_alarms`). The difference must also hold at both ends
+    of the range of thresholds that give these numbers (`least_of`). Systems that are set unequally
+    have no p and no interval if the recordings say too little about their false alarms
+    (`MOST_ERROR`).
 
     Numbers of false alarms that are equal in these recordings would not be in others: p and
     intervals allow for that (`shifts_at_equal_alarms`). And the difference has to hold at both ends
@@ -129,9 +139,9 @@ def judge_equal_alarms(
     Parameters
     ----------
     equal
-        Of `nvcore.evidence.operating_points.find_equal_alarms`.
+        Result of `nvcore.evidence.operating_points.find_equal_alarms`.
     extra, keys, units, primary, has_intervals
-        As of `significance_table`.
+        See `nvcore.evidence.measures.significance_table`.
     """
     units = find_units(equal) if units is None else units
     is_shifted = units.kind in WHOLE or has_intervals
@@ -151,12 +161,12 @@ def judge_equal_alarms(
 
 
 def is_unsure(evidence: pd.DataFrame | pd.Series[Any] | Mapping[Hashable, Any]) -> bool:
-    """Whether a table of evidence, or one row, lacks tests for want of false alarms."""
+    """Whether a table of evidence, or a row of it, lacks tests because of too few false alarms."""
     return any(UNSURE in note for note in np.atleast_1d(evidence["note"]))
 
 
 def _without_tests(evidence: pd.DataFrame) -> pd.DataFrame:
-    """The evidence without what is tested of thresholds in use: `UNSURE` says why."""
+    """Remove tests that depend on the current thresholds, with `UNSURE` as the reason."""
     at_thresholds = evidence["figure"].map(lambda key: inference_of(key).test != "curve")
     has_some = np.isfinite(evidence["p"]) | np.isfinite(evidence["low"])
     is_tested = at_thresholds & evidence["unit"].isin(WHOLE) & has_some
@@ -171,7 +181,10 @@ def _without_tests(evidence: pd.DataFrame) -> pd.DataFrame:
 def judge_keys(
     result: Result, keys: Sequence[str], *, units: Units | None = None
 ) -> tuple[Evidence, ...]:
-    """`nvcore.evidence.measures.judge`, at equal false alarms as `judge_equal_alarms` does."""
+    """Judge measures by `nvcore.evidence.measures.judge`.
+
+    At equal false alarms this works like `judge_equal_alarms`.
+    """
     if result.as_set is None:
         return judge(result, keys, units=units)
     table = judge_equal_alarms(result, keys=keys, units=units, primary="")
@@ -179,7 +192,9 @@ def judge_keys(
 
 
 def _ends_of_plateau(equal: Result) -> list[Result]:
-    """The comparisons at the lowest and the highest threshold that give as many false alarms.
+    """Return the comparisons at the lowest and highest threshold with the same false alarms.
+
+    The list is empty if no detection lies between the two.
 
     Empty where no detection lies between the two.
     """
@@ -197,7 +212,10 @@ def _ends_of_plateau(equal: Result) -> list[Result]:
 
 
 def least_of(evidence: pd.DataFrame, ends: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """The evidence as far as it holds at the ends, too (an intersection-union test).
+    """Weaken the evidence to what also holds at the ends (an intersection-union test).
+
+    p is the largest one, and 1 if the ends do not agree on the better system. Intervals are
+    extended as far as the differences extend.
 
     p is the largest, and 1 where the ends do not agree on the better system; intervals reach as far
     beyond as differences do.
@@ -223,19 +241,18 @@ def least_of(evidence: pd.DataFrame, ends: Sequence[pd.DataFrame]) -> pd.DataFra
 
 
 def shifts_at_equal_alarms(equal: Result, units: Units) -> dict[str, np.ndarray]:
-    """What to take off each unit's part in a difference at equal false alarms, by measure.
+    """Compute the shift of each unit's part in a difference at equal false alarms, by measure.
 
-    How far a measure moves with the logarithm of the ratio of false alarms, X to Y, times the
-    unit's part in that: the difference is then that at a ratio of 1 to the first order (delta
-    method), and varies between recordings as a difference at equal false alarms does. Without this,
-    verdicts claimed a difference in 17 % of pairs of equal systems (16 recordings).
-
-    The slope is that between two comparisons in which one of the systems has fewer false alarms by
+    The shift is the change of the measure with log(false alarms of X / false alarms of Y), times
+    the unit's part in that logarithm. To first order (delta method), the shifted difference is that
+    at a ratio of 1, and it varies between recordings as a difference at equal false alarms does.
+    Without shifts, verdicts claimed a difference in 17 % of pairs of equal systems (16 recordings).
+    The slope is taken between two comparisons in which one of the systems has fewer false alarms by
     a standard error of that logarithm.
 
     Returns
     -------
-    Float64, shape (n_units,), of each measure that is judged by units and moves.
+    Float64, shape (n_units,), for each measure that is judged by units and changes.
     """
     alarms = _alarms_apart(equal, units)
     apart, n_target, error = alarms.apart, alarms.n_target, alarms.error
@@ -274,16 +291,16 @@ def shifts_at_equal_alarms(equal: Result, units: Units) -> dict[str, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class AlarmsApart:
-    """False alarms of X and Y, whom a threshold has set alike.
+    """False alarms of X and Y after a threshold was moved to equalise them.
 
     Attributes
     ----------
     apart
-        X - Y in every unit; shape (n_units,).
+        False alarms X - Y in every unit; shape (n_units,).
     total
-        Of both in all of them.
+        False alarms of both systems in all units.
     n_target
-        Of the system whose threshold was not moved.
+        False alarms of the system whose threshold was not moved.
     error
         Standard error of the logarithm of their ratio; infinite without false alarms.
     """

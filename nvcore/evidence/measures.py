@@ -1,4 +1,4 @@
-"""Is the difference between X and Y more than chance? Measures with their evidence."""
+"""Measures with their evidence that the difference between X and Y is more than chance."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ ODDS_RATIO: Final = "odds ratio"
 
 @dataclass(frozen=True, eq=False)
 class UnitMeasure:
-    """A measure computed from sums over units.
+    """Measure that is computed from sums over units.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class UnitMeasure:
     x, y
         Sums of each unit, shape (n_units, *columns); rows in the order of `Units`.
     statistic
-        The measure from such sums (`nvcore.evidence.bootstrap.Statistic`).
+        Function that computes the measure from the sums (`nvcore.evidence.bootstrap.Statistic`).
     """
 
     key: str
@@ -84,7 +84,7 @@ class UnitMeasure:
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
-    """What the data say about the difference X - Y in one measure.
+    """Evidence on the difference X - Y in one measure.
 
     Attributes
     ----------
@@ -92,29 +92,28 @@ class Evidence:
         Key of the measure (the files call this column `figure`); name with unit; ``higher`` or
         ``lower``.
     x, y, difference
-        Values of both systems, and ``x - y``; NaN undefined.
+        Values of both systems, and ``x - y``; NaN if undefined.
     low, high
-        95 % interval of the difference; NaN where none can be given.
+        95 % interval of the difference; NaN if there is none.
     p, p_corrected
-        Two-sided p-value, and corrected for all that is tested together; NaN where none can be
-        given, and p_corrected where the hypothesis is that of another row.
+        Two-sided p-value, and the same corrected for all measures tested together. NaN if there is
+        none; p_corrected is also NaN if another row tests the same hypothesis.
     least_p
-        The least p that so many units could give; NaN without p.
+        Smallest p that this number of units can give; NaN without p.
     effect, effect_name
         Size of the difference: Cohen's d_z (the difference over the standard deviation of the
-        units' parts in it; positive where X is higher), or the odds ratio of discordant encounters
-        (above 1 where X detects more). NaN for d_z where there is neither interval nor p-value.
+        units' parts in it; positive if X is higher), or the odds ratio of discordant encounters
+        (above 1 if X detects more). d_z is NaN if there is neither interval nor p-value.
     n, unit
-        How many were compared, and of what: encounters, recordings, blocks.
+        Number of things compared, and their kind: encounters, recordings, blocks.
     scope
-        What interval and p are about: ``other recordings`` like these, or ``these recordings``
-        alone.
+        Scope of interval and p: ``other recordings`` like these, or only ``these recordings``.
     method
-        How interval and p-value were computed.
+        Method of computing interval and p-value.
     doubt
-        Why no claim can rest on the difference, however small p is.
+        Reason why the difference supports no claim, however small p is.
     note
-        Why something is missing, and what the numbers do not say.
+        Reasons for missing values, and limits of the numbers.
     """
 
     figure: str
@@ -141,11 +140,11 @@ class Evidence:
     def undefined(
         cls, key: str, label: str, better: Better, *, unit: str, note: str, n: int = 0
     ) -> Evidence:
-        """Evidence of a measure that these data cannot give; `note` says why."""
+        """Create evidence for a measure that these data cannot give. `note` has the reason."""
         return cls(figure=key, label=label, better=better, n=n, unit=unit, note=note)
 
     def values_only(self) -> Evidence:
-        """The values without interval, test and effect size."""
+        """Return the values without interval, test and effect size."""
         nan = math.nan
         return replace(self, low=nan, high=nan, p=nan, least_p=nan, effect=nan, method="")
 
@@ -163,37 +162,36 @@ def significance_table(
     primary: str | None = None,
     has_intervals: bool = True,
 ) -> pd.DataFrame:
-    """The scorecard's measures with interval, p-value and effect size.
+    """Test the scorecard's measures: interval, p-value and effect size.
 
-    `nvcore.evidence.table.evidence_table` adds the log-average miss rate.
-
-    Encounters detected come twice: encounter by encounter (McNemar), which is about these drives
-    alone, and by units, which allows for encounters of one recording being alike. Then come the
-    other measures that `nvcore.measures.Inference` judges so (without those that do not apply, such
-    as those of urgent encounters where nobody is urgent), and `extra`. Where the data are
-    too few for a measure, or most encounters are single frames, it is NaN and `note` says why.
+    `nvcore.evidence.table.evidence_table` adds the log-average miss rate. Encounters detected
+    appear twice: by encounter (McNemar), which is only about these drives, and by units, which
+    allows for similar encounters within a recording. They are followed by the other measures that
+    `nvcore.measures.Inference` tests by units (except those that do not apply, such as measures of
+    urgent encounters if there are none), and by `extra`. If there are too few data for a measure,
+    or most encounters are single frames, it is NaN and `note` has the reason.
 
     Parameters
     ----------
     extra
         Further measures.
     keys
-        Of `nvcore.measures.EVIDENCE_KEYS`; None: all that the comparison has.
+        Some of `nvcore.measures.EVIDENCE_KEYS`; None: all that the comparison has.
     units
         ``find_units(result)``, if already computed.
     shifts
-        As of `run_together`.
+        See `run_together`.
     primary
-        Key of the measure that is tested by itself; empty: none, all are corrected for one another.
-        None: that of the dataset's settings, unless it was changed.
+        Key of the measure that is tested by itself. Empty: all measures are corrected for one
+        another. None: the primary measure of the dataset's settings, unless it was changed.
     has_intervals
-        Without them, p alone: much faster.
+        False computes only p, which is much faster.
 
     Returns
     -------
-    Columns `COLUMNS` (attributes of `Evidence`), one row per measure. p_corrected is NaN where
-    another row has the hypothesis: McNemar's test asks by encounters what is asked by recordings,
-    and lost similarity is mean similarity in other words.
+    Columns `COLUMNS` (attributes of `Evidence`), one row per measure. p_corrected is NaN if another
+    row tests the same hypothesis: McNemar's test repeats by encounters the test by recordings, and
+    lost similarity is equivalent to mean similarity.
 
     Examples
     --------
@@ -218,13 +216,13 @@ def significance_table(
 
 
 def evidence_of(table: pd.DataFrame, key: str) -> Evidence | None:
-    """A row of such a table, by the measure's key; None: it has none."""
+    """Return a measure's row of such a table by its key, or None if it has none."""
     rows = table[table["figure"] == key]
     return None if rows.empty else Evidence(**{name: rows[name].iloc[0] for name in COLUMNS})
 
 
 def primary_of(dataset: Dataset) -> Primary:
-    """The primary measure of a comparison of these data, by its key.
+    """Return the primary measure for comparisons of these data.
 
     Raises
     ------
@@ -242,12 +240,12 @@ def _counts(result: Result, key: str) -> bool:
 def judge(
     result: Result, keys: Sequence[str], *, units: Units | None = None
 ) -> tuple[Evidence, ...]:
-    """The evidence of some measures, each by itself: p is not corrected for the others.
+    """Return the evidence on some measures, each by itself: p is not corrected for the others.
 
     Parameters
     ----------
     keys
-        Of `nvcore.measures.EVIDENCE_KEYS`, without the log-average miss rate.
+        Some of `nvcore.measures.EVIDENCE_KEYS`, except the log-average miss rate.
     units
         As of `significance_table`.
     """
@@ -287,17 +285,17 @@ def _judge(
 
 
 def with_doubt(result: Result, row: Evidence) -> Evidence:
-    """The row with why no claim can rest on it, by what subjects know of its measure."""
+    """Add the reason why the row supports no claim, as known to the subjects of its measure."""
     return replace(row, doubt=doubt_of(result, measure_of(row.figure)))
 
 
 def judge_encounters(result: Result, key: str = "encounters_detected") -> Evidence:
-    """A share of encounters, encounter by encounter: McNemar's test.
+    """Test a share of encounters, encounter by encounter (McNemar's test).
 
     Parameters
     ----------
     key
-        Of a measure of which `nvcore.measures.Inference` says how encounters split.
+        Key of a measure whose `nvcore.measures.Inference` has a `split`.
     """
     split = inference_of(key).split
     assert split is not None, key
@@ -339,7 +337,7 @@ def _mcnemar_method(test: McNemar) -> str:
 
 
 def unit_measures(result: Result, units: Units) -> tuple[UnitMeasure, ...]:
-    """The measures that are computed from sums over units."""
+    """Return the measures that are computed from sums over units."""
     sums = sum_units(result, units)
     measures = []
     for key in EVIDENCE_KEYS:
@@ -362,7 +360,7 @@ class MeasureTests:
     Attributes
     ----------
     exchange
-        X and Y exchanged unit by unit.
+        Exchange of X and Y unit by unit.
     skewed
         The studentised bootstrap, which allows for skew.
     """
@@ -372,21 +370,21 @@ class MeasureTests:
 
     @property
     def p(self) -> float:
-        """The larger p of the two; NaN where there is none."""
+        """Larger p of the two, NaN if there is none."""
         has_p = np.isfinite(self.exchange.p)
         return float(np.fmax(self.exchange.p, self.skewed.p)) if has_p else np.nan
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """A measure judged by itself, to stand among others.
+    """Measure judged by itself, for inclusion in a table of others.
 
     Attributes
     ----------
     evidence
-        What the data say of it.
+        Evidence on the measure.
     tested
-        Its tests over all units; None: it was not tested.
+        Tests over all units; None if it was not tested.
     """
 
     evidence: Evidence
@@ -398,15 +396,15 @@ def run_together(
     shifts: Mapping[str, np.ndarray] = MappingProxyType({}),
     known: Mapping[str, MeasureTests] = MappingProxyType({}),
 ) -> dict[str, MeasureTests]:
-    """Tests of measures of the same recordings, all by the same exchanges and the same draws.
+    """Test measures of the same recordings, all by the same exchanges and the same draws.
 
     Parameters
     ----------
     shifts
-        What is taken off each recording's part in the difference of a measure, by its key
+        Amount to subtract from each recording's part in the difference of a measure, by measure key
         (`nvcore.evidence.paired_tests.Paired`).
     known
-        Tests that were made already, without shifts.
+        Existing tests, made without shifts.
     """
     every = [measure for measure in measures if measure.key not in known]
     if not every:
@@ -427,7 +425,12 @@ def run_together(
 
 
 def correct_together(tests: Mapping[str, MeasureTests], primary: str) -> dict[str, float]:
-    """P of measures that are tested together, corrected; NaN where a measure has none.
+    """Correct the p-values of measures that are tested together, NaN for measures without p.
+
+    The primary measure is tested by itself. All others are claimed only if it is, and are corrected
+    for one another (`nvcore.evidence.paired_tests.step_down`), so their corrected p is at least its
+    p. At most 5 % of comparisons without a difference thus claim any at 5 %, provided that each
+    test keeps its own level.
 
     The primary measure is tested by itself. All others are claimed only where it is, and are
     corrected for one another (`nvcore.evidence.paired_tests.step_down`): their corrected p is at
@@ -437,8 +440,8 @@ def correct_together(tests: Mapping[str, MeasureTests], primary: str) -> dict[st
     Parameters
     ----------
     primary
-        Key of the primary measure; where it has no p, or is none of these, all are corrected for
-        one another.
+        Key of the primary measure. If it has no p or is not among these measures, all are corrected
+        for one another.
 
     References
     ----------
@@ -460,7 +463,7 @@ def correct_together(tests: Mapping[str, MeasureTests], primary: str) -> dict[st
 def _step_down(
     kind: Literal["exchange", "skewed"], tests: Mapping[str, MeasureTests], family: Sequence[str]
 ) -> np.ndarray:
-    """Corrected p of the measures by one of the tests; NaN where it has no p."""
+    """Return the corrected p of the measures by one of the tests, NaN if it has no p."""
     if kind == "exchange":
         of_kind = [tests[key].exchange for key in family]
         is_exact = of_kind[0].is_exact
@@ -481,7 +484,7 @@ NOT_TESTED: Final = MeasureTests(
     SwapTest(np.nan, 0, 0, is_exact=False, seed=SEED, reason="", sizes=np.empty(0)),
     StudentisedTest(np.nan, np.empty(0)),
 )
-"""Blocks of time have no p."""
+"""Tests of blocks of time, which have no p."""
 
 
 def judge_measure(
@@ -492,7 +495,10 @@ def judge_measure(
     shift: np.ndarray | None = None,
     has_interval: bool = True,
 ) -> Evidence:
-    """Difference of a measure with bootstrap interval, test and effect size.
+    """Compute a measure's difference with bootstrap interval, test and effect size.
+
+    p is the larger of the exact exchange's (`swap_test`) and the studentised bootstrap's, which
+    allows for skew. Blocks of time have no p.
 
     p is the larger of the exact exchange's (`swap_test`) and the studentised bootstrap's, which
     allows for skew. Blocks of time have none.
@@ -500,7 +506,7 @@ def judge_measure(
     Parameters
     ----------
     tested
-        Of `run_together`; None: this measure is tested by itself.
+        Result of `run_together`; None: test this measure by itself.
     shift
         As of `run_together`.
     """
@@ -542,7 +548,7 @@ def judge_measure(
 
 
 def with_mean_over_recordings(result: Result, units: Units, row: Evidence) -> Evidence:
-    """The row, with values at least where blocks of time cannot share a mean over recordings."""
+    """Fill in the values of a mean over recordings that cannot be split into blocks of time."""
     inference, by_recording = inference_of(row.figure), measure_of(row.figure).by_recording
     if inference.per != "share_of_recording" or units.kind in WHOLE:
         return row
@@ -555,7 +561,7 @@ def with_mean_over_recordings(result: Result, units: Units, row: Evidence) -> Ev
 
 
 def _effect_size(measure: UnitMeasure) -> float:
-    """Cohen's d_z from jackknife pseudo-values."""
+    """Compute Cohen's d_z from jackknife pseudo-values."""
     x, y = measure.x, measure.y
     if len(x) < 2:
         return float("nan")

@@ -20,15 +20,19 @@ from nvcore.protocols import PROTOCOLS, Protocol
 
 KEY: Final = "log_average_miss_rate"
 N_POINTS: Final = 200
-"""Operating points besides the references, among which a resample looks up its own."""
+"""Number of operating points, in addition to the references, that resamples can use."""
 POINT_RANGE: Final = (0.002, 4.0)
-"""False positives per image of these points; the references are 0.01 to 1."""
+"""Range of these points in false positives per image. The references are 0.01 to 1."""
 
 
 def log_average_miss_rate_measure(
     result: Result, units: Units, protocol: Protocol = PROTOCOLS["all"]
 ) -> UnitMeasure | None:
-    """The log-average miss rate for `nvcore.evidence.measures.judge_measure`.
+    """Return the log-average miss rate for `nvcore.evidence.measures.judge_measure`.
+
+    Each system is counted at the same levels of false positives per image: 200 levels and the nine
+    references. A resample or exchange looks up the references among these levels. Over all units,
+    the measure is exactly `nvcore.detection.miss_rate.log_average_miss_rate`.
 
     Each system is counted at the same levels of false positives per image, 200 and the nine
     references; a resample or exchange looks up the references among these levels. Over all units
@@ -36,7 +40,7 @@ def log_average_miss_rate_measure(
 
     Returns
     -------
-    None if a system has detections without a score or with a single one for all, or no pedestrian
+    None if a system has detections without a score, all its scores are equal, or no pedestrian
     counts.
 
     References
@@ -67,7 +71,11 @@ def judge_miss_rate(
     *,
     has_interval: bool = True,
 ) -> Judged:
-    """Difference of the log-average miss rate; `note` says why it is undefined or 0.
+    """Test the difference of the log-average miss rate.
+
+    `note` has the reason if it is undefined or 0. The interval covers the units within the
+    recordings that the protocol counts. The test covers all units, because units without a part in
+    it do not change p.
 
     Its interval is over the units within the recordings that the protocol counts. It is tested over
     all units: those without a part in it change no p.
@@ -121,13 +129,13 @@ def _label(protocol: Protocol) -> str:
 
 
 def _reach(sums: np.ndarray) -> float:
-    """Most false positives per image of a curve, as far as it is counted."""
+    """Return the most false positives per image of a curve, within the counted range."""
     n_levels = (len(sums) - 2) // 2
     return float(sums[1 + n_levels] / max(sums[0], 1))
 
 
 def _doubt(evidence: Evidence, reach_x: float, reach_y: float) -> str:
-    """Why the worse average may only be that of a list of detections that ends early."""
+    """Explain why the worse average may only be due to a list of detections that ends early."""
     worse, better = (reach_x, reach_y) if evidence.difference > 0 else (reach_y, reach_x)
     if worse >= FPPI_REFERENCES[-1] or worse > better:
         return ""
@@ -138,7 +146,9 @@ def _doubt(evidence: Evidence, reach_x: float, reach_y: float) -> str:
 
 
 def _sums(outcomes: Outcomes, units: Units) -> np.ndarray:
-    """Images, pedestrians, and false and true positives at each level, by unit.
+    """Count images, pedestrians, and false and true positives at each level, by unit.
+
+    Shape (n_units, 1 + 1 + 2 * n_levels).
 
     Shape (n_units, 1 + 1 + 2 * n_levels).
     """
@@ -147,7 +157,8 @@ def _sums(outcomes: Outcomes, units: Units) -> np.ndarray:
     truth = outcomes.truth
     n_images = np.bincount(unit[truth.is_counted], minlength=n)
     n_truth = np.bincount(unit[truth.truth.frame_index[truth.counts]], minlength=n)
-    # how many detections, from the highest score down, pass at each level: equal scores together
+    # number of detections, from the highest score down, that pass at each level; equal scores pass
+    # together
     fp = np.cumsum(~outcomes.is_match)
     is_last = np.ones(len(fp), dtype=bool)
     is_last[:-1] = outcomes.score[1:] != outcomes.score[:-1]
@@ -167,14 +178,14 @@ def _sums(outcomes: Outcomes, units: Units) -> np.ndarray:
 
 
 def _log_average(sums: np.ndarray) -> np.ndarray:
-    """LAMR from such sums, shape (..., columns) to (...); NaN without pedestrians."""
+    """Compute LAMR from such sums, shape (..., columns) to (...), NaN without pedestrians."""
     with np.errstate(invalid="ignore", divide="ignore"):
         lamr: np.ndarray = np.exp(np.log(_rates(sums)).mean(axis=-1))
     return np.where(sums[..., 1] > 0, lamr, np.nan)
 
 
 def _rates(sums: np.ndarray) -> np.ndarray:
-    """Miss rates at the references from such sums, shape (..., columns) to (..., 9)."""
+    """Compute miss rates at the references from such sums, shape (..., columns) to (..., 9)."""
     n_levels = (sums.shape[-1] - 2) // 2
     fp, tp = sums[..., 2 : 2 + n_levels], sums[..., 2 + n_levels :]
     most = sums[..., :1] * (FPPI_REFERENCES * (1 + 1e-12))
@@ -186,7 +197,9 @@ def _rates(sums: np.ndarray) -> np.ndarray:
 
 
 def _count_up_to(values: np.ndarray, limits: np.ndarray) -> np.ndarray:
-    """How many of the values, increasing along the last axis, are at most each limit.
+    """Count the values, increasing along the last axis, that are at most each limit.
+
+    Shapes (..., n) and (..., m) to (..., m). This is `np.searchsorted` for many rows at once.
 
     Shapes (..., n) and (..., m) to (..., m); `np.searchsorted` for many rows at once.
     """

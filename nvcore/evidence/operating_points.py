@@ -1,7 +1,7 @@
 """Operating points of X and Y, and the comparison at equal false alarms.
 
-A lower threshold gives more detections and more false alarms. So nothing is claimed from a
-comparison at unequal operating points. The comparison at equal false alarms replaces it.
+A lower threshold gives more detections and more false alarms. Therefore claims are never based on a
+comparison at unequal operating points, but on the comparison at equal false alarms.
 """
 
 from __future__ import annotations

@@ -20,31 +20,31 @@ MIN_SWAPPED: Final = MIN_DISCORDANT
 MIN_PAIRS: Final = 10
 """Fewest encounters for an interval of the difference in shares; fewer say little."""
 EXACT_UNITS: Final = 16
-"""Up to so many units, every exchange of X and Y is tried: 65,536 exchanges."""
+"""Most units for which every exchange of X and Y is tried: 65,536 exchanges."""
 N_PERMUTATIONS: Final = 10_000
-"""Number of random exchanges where there are more units."""
+"""Number of random exchanges for more units."""
 
 
 @dataclass(frozen=True)
 class McNemar:
-    """Which system detects more of the same encounters.
+    """McNemar's test of which system detects more of the same encounters.
 
     Attributes
     ----------
     x_only, y_only, n
-        Encounters that only X and only Y detects, and all that count.
+        Numbers of encounters that only X detects, that only Y detects, and of all that count.
     share_x, share_y, difference
-        Share of encounters detected, 1 is best, and X - Y; NaN without any.
+        Shares of encounters detected, 1 is best, and X - Y; NaN without encounters.
     low, high
         95 % interval of the difference (Newcombe's for paired shares); NaN for fewer than
         `MIN_PAIRS` encounters.
     p
         Exact two-sided p-value; NaN for fewer than `MIN_DISCORDANT` discordant encounters.
     odds_ratio, odds_low, odds_high
-        ``x_only / y_only``, above 1 where X detects more, with its exact 95 % interval; infinite
-        without `y_only`; NaN without discordant encounters.
+        ``x_only / y_only``, above 1 if X detects more, with its exact 95 % interval. Infinite if
+        `y_only` is 0; NaN without discordant encounters.
     reason
-        What is missing and why; empty: nothing.
+        Missing values and the reason; empty if nothing is missing.
     """
 
     x_only: int
@@ -64,7 +64,7 @@ class McNemar:
 
 @lru_cache(maxsize=64)
 def mcnemar(venn: Venn) -> McNemar:
-    """Exact McNemar test with effect sizes, from the counts of encounters.
+    """Compute the exact McNemar test with effect sizes from the counts of encounters.
 
     Only encounters detected by exactly one system distinguish the two. Encounters are assumed to be
     independent of each other.
@@ -124,7 +124,7 @@ def mcnemar(venn: Venn) -> McNemar:
 
 
 def _newcombe(venn: Venn) -> tuple[float, float]:
-    """Newcombe's square-and-add interval: Wilson's for each share, joined by their correlation."""
+    """Compute Newcombe's interval: Wilson's for each share, combined using their correlation."""
     n = venn.n_near
     n_x, n_y = venn.both + venn.x_only, venn.both + venn.y_only
     ends_x, ends_y = share_of(n_x, n), share_of(n_y, n)
@@ -142,25 +142,25 @@ def _newcombe(venn: Venn) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class SwapTest:
-    """Whether the difference would be as large if X and Y had changed places in some units.
+    """Test of whether the difference would be as large if X and Y were exchanged in some units.
 
     Attributes
     ----------
     p
-        Two-sided p-value; NaN where there is none, `reason` says why.
+        Two-sided p-value; NaN if there is none (see `reason`).
     n_swapped
-        Units in which X and Y differ.
+        Number of units in which X and Y differ.
     n_permutations
-        Exchanges that were tried; all possible ones if `is_exact`.
+        Number of exchanges tried; all possible ones if `is_exact`.
     is_exact
-        Whether every exchange was tried.
+        True if every exchange was tried.
     seed
         Seed of the random exchanges.
     reason
-        Why there is no p-value; empty where there is one.
+        Reason for the lack of a p-value; empty if there is one.
     sizes
-        Size of the difference in every exchange; shape (n_ways,), empty without p-value. Of an
-        exact test half of them: exchanging all other units instead gives the same sizes.
+        Size of the difference in every exchange; shape (n_ways,), empty without a p-value. An exact
+        test has only half of them, because exchanging all other units instead gives the same sizes.
     """
 
     p: float
@@ -173,7 +173,7 @@ class SwapTest:
 
     @property
     def least_p(self) -> float:
-        """Smallest p that so many units can give; NaN without p."""
+        """Smallest p that this number of units can give, NaN without p."""
         if np.isnan(self.p):
             return np.nan
         least: float = 2 / 2**self.n_swapped
@@ -181,15 +181,15 @@ class SwapTest:
 
 
 class Paired(NamedTuple):
-    """A measure of X and Y over units.
+    """Measure of X and Y over units.
 
     Attributes
     ----------
     x, y, statistic
-        As for `nvcore.evidence.bootstrap.bootstrap_difference`.
+        See `nvcore.evidence.bootstrap.bootstrap_difference`.
     shift
-        What is taken off each unit's part in the difference, and changes its sign where X and Y are
-        exchanged; float64, shape (n_units,). None: nothing.
+        Amount to subtract from each unit's part in the difference, which changes its sign if X and
+        Y are exchanged; float64, shape (n_units,). None: nothing.
     """
 
     x: np.ndarray
@@ -199,12 +199,12 @@ class Paired(NamedTuple):
 
     @property
     def taken_off(self) -> np.ndarray:
-        """The shift, shape (n_units,)."""
+        """Shift of each unit, shape (n_units,)."""
         return np.zeros(len(self.x)) if self.shift is None else self.shift
 
     @property
     def differs(self) -> np.ndarray:
-        """Units in which X and Y differ, or have a shift; bool, shape (n_units,)."""
+        """Units in which X and Y differ or have a shift, bool, shape (n_units,)."""
         is_other: np.ndarray = np.any(self.x != self.y, axis=tuple(range(1, self.x.ndim)))
         is_shifted: np.ndarray = self.taken_off != 0
         differs: np.ndarray = is_other | is_shifted
@@ -212,24 +212,27 @@ class Paired(NamedTuple):
 
     @property
     def has_part(self) -> np.ndarray:
-        """Units that have a part in the measure: a recording without encounters has none."""
+        """Units that have a part in the measure, unlike recordings without encounters."""
         columns = [sums.reshape(len(sums), -1) != 0 for sums in (self.x, self.y)]
         has_part: np.ndarray = np.concatenate(columns, axis=1).any(axis=1) | (self.taken_off != 0)
         return has_part
 
     @property
     def values(self) -> tuple[float, float]:
-        """The measure of X and of Y over all units."""
+        """Measure of X and of Y over all units."""
         return float(self.statistic(self.x.sum(axis=0))), float(self.statistic(self.y.sum(axis=0)))
 
     @property
     def difference(self) -> float:
-        """X - Y, less the shift."""
+        """X - Y, minus the shift."""
         value_x, value_y = self.values
         return value_x - value_y - float(self.taken_off.sum() / max(len(self.x), 1))
 
     def exchanged(self) -> Callable[[np.ndarray], np.ndarray]:
-        """A function that gives the difference for ways to exchange units, 0 or 1, shape (b, n)."""
+        """Return a function that computes the difference for exchanges of units.
+
+        Its argument has shape (b, n), with 1 for exchanged units and 0 for others.
+        """
         x, y, statistic, n = self.x, self.y, self.statistic, len(self.x)
         if statistic is ratio and np.array_equal(x[:, 1], y[:, 1]):  # linear in the exchange
             parts = (x[:, 0] - y[:, 0]) / x[:, 1].sum() - self.taken_off / n
@@ -264,7 +267,15 @@ def swap_test(
     n_permutations: int = N_PERMUTATIONS,
     seed: int = SEED,
 ) -> SwapTest:
-    """Permutation test of the difference X - Y of a measure, X and Y exchanged unit by unit.
+    """Test the difference X - Y of a measure by permutation: X and Y are exchanged by unit.
+
+    If the systems are exchangeable, the results of a recording could as well have come from the
+    other system. p tests this hypothesis, which says more than equal means: if one system errs a
+    little everywhere and the other gravely in a few recordings, they are not exchangeable even if
+    their means are equal (`studentised_tests` cover that). For a mean this is the sign-flip test,
+    which studentising would not change because the sum of squared differences is the same in every
+    exchange. All exchanges are tried if at most `EXACT_UNITS` units differ, otherwise
+    `n_permutations` random ones.
 
     If the systems are exchangeable, the results of a recording could as well have come from the
     other system. That is what p tests, and it is more than equal means: systems of equal means, of
@@ -277,12 +288,12 @@ def swap_test(
     Parameters
     ----------
     x, y, statistic, shift
-        As of `Paired`.
+        See `Paired`.
 
     Notes
     -----
-    As `scipy.stats.permutation_test` for paired samples, but some twenty times as fast for a
-    thousand units and for measures of many columns.
+    This equals `scipy.stats.permutation_test` for paired samples, but is about twenty times as fast
+    for a thousand units and for measures with many columns.
 
     References
     ----------
@@ -301,7 +312,7 @@ def swap_tests(
     n_permutations: int = N_PERMUTATIONS,
     seed: int = SEED,
 ) -> list[SwapTest]:
-    """`swap_test` of several measures of the same units, all by the same exchanges.
+    """Apply `swap_test` to several measures of the same units, using the same exchanges for all.
 
     Parameters
     ----------
@@ -341,7 +352,7 @@ def swap_tests(
 
 
 def _why_untested(measure: Paired) -> str:
-    """Why a measure has no p; empty: it has one."""
+    """Return why a measure has no p, or "" if it has one."""
     if not np.isfinite(measure.difference):
         return "the measure is undefined"
     n_swapped = int(np.count_nonzero(measure.differs))
@@ -354,7 +365,10 @@ def _why_untested(measure: Paired) -> str:
 
 
 def _exchanges(n: int, n_exchanges: int, *, is_exact: bool, seed: int) -> Iterator[np.ndarray]:
-    """Which of n units are exchanged, hundreds of ways at a time; shape (n_ways, n).
+    """Yield which of n units are exchanged, hundreds of ways at a time, shape (n_ways, n).
+
+    Half of all ways suffice for an exact test, because exchanging all other units instead only
+    flips the sign.
 
     Half of all ways suffice if exact: exchanging all other units instead only flips the sign.
     """
@@ -370,7 +384,10 @@ def _exchanges(n: int, n_exchanges: int, *, is_exact: bool, seed: int) -> Iterat
 
 
 def holm(p: np.ndarray) -> np.ndarray:
-    """Holm's correction of p-values shown together; undefined ones (NaN) do not count.
+    """Apply Holm's correction to p-values shown together, ignoring undefined ones (NaN).
+
+    The i-th smallest of m is multiplied by m - i + 1, but the result is at most 1 and never less
+    than that of a smaller one.
 
     The i-th smallest of m is multiplied by m - i + 1, at most 1, never less than a smaller one's.
 
@@ -393,7 +410,14 @@ def holm(p: np.ndarray) -> np.ndarray:
 
 
 def step_down(draws: np.ndarray, p: np.ndarray, *, n_added: int) -> np.ndarray:
-    """Corrected p of several tests made by the same draws: step-down minP of Westfall and Young.
+    """Correct p of several tests that share draws: step-down minP of Westfall and Young.
+
+    In every draw, each test's statistic has a p of its own, its rank among all draws. The smallest
+    observed p is compared with the smallest p of all tests in each draw, the next smallest with
+    that of the remaining tests, and so on. Highly correlated tests thus cost each other almost
+    nothing. The familywise level is kept whatever the dependence between the tests (in the strong
+    sense, if the joint distribution of some does not depend on whether the others' hypotheses
+    hold).
 
     In every draw each test's statistic has a p of its own, its rank among all draws. The smallest p
     found is compared with the smallest p of all tests in each draw, the next smallest one with
@@ -404,16 +428,17 @@ def step_down(draws: np.ndarray, p: np.ndarray, *, n_added: int) -> np.ndarray:
     Parameters
     ----------
     draws
-        How extreme each test's statistic is in each draw; float64, shape (n_draws, n_tests). What
-        is undefined (NaN) is not extreme.
+        Extremeness of each test's statistic in each draw; float64, shape (n_draws, n_tests). NaN
+        counts as not extreme.
     p
-        Found; shape (n_tests,).
+        Observed p; shape (n_tests,).
     n_added
-        1 where the draws are random ones: what was found counts as one of them. 0: all ways.
+        1 for random draws, where the observed result counts as one of them; 0 if all ways were
+        tried.
 
     Returns
     -------
-    Shape (n_tests,): no smaller than `p`, at most 1.
+    Corrected p, shape (n_tests,): at least `p`, at most 1.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""The measures of a comparison for parts of its encounters, each with its evidence."""
+"""Measures of a comparison for groups of its encounters, each with its evidence."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ from nvcore.scoring import SystemResult
 from nvcore.subjects import contributed
 
 GIVEN_THRESHOLD: Final = "takes the threshold for equal false alarms as given"
-"""Note of groups: interval and p of all encounters alone allow for other recordings' threshold."""
+"""Note on groups: only the interval and p of all encounters allow for other recordings' threshold.
+"""
 _COUNTS: Final = ("n", "unit", "both", "x_only", "y_only", "neither")
 _FIRST: Final = ("factor", "group", "figure", "label", "better", *_COUNTS)
 _OTHERS: Final = [name for name in EVIDENCE_COLUMNS if name not in _FIRST]
@@ -56,31 +57,31 @@ def subgroup_table(
     protocol: Protocol = PROTOCOLS["all"],
     units: Units | None = None,
 ) -> pd.DataFrame:
-    """Difference X - Y of each measure, for all encounters and for every group of them.
+    """Compute the difference X - Y of each measure for all encounters and for every group.
 
-    Ready for forest plots: for each measure one row per group, the first for all encounters. A
-    group of recordings (a tag) has every measure, from the units within these recordings. For a
-    group of pedestrians, encounters detected are its own; saliency is that of its events, over the
-    recordings with such pedestrians; the log-average miss rate ignores all others and counts the
-    false positives of all frames. Frames and false alerts belong to no such group: their measures
-    are NaN, `note` says so.
+    The table is ready for forest plots: each measure has one row per group, the first for all
+    encounters. A group of recordings (a tag) has every measure, from the units within these
+    recordings. A group of pedestrians has its own encounters detected. Its saliency is that of its
+    events, over the recordings with such pedestrians. Its log-average miss rate ignores all other
+    pedestrians and counts the false positives of all frames. Frames and false alerts belong to no
+    such group, so their measures are NaN and `note` has the reason.
 
     Parameters
     ----------
     keys
         Some of `nvcore.measures.EVIDENCE_KEYS`; None: all that the comparison has.
     protocol
-        Which pedestrians count in the log-average miss rate.
+        Selection of the pedestrians that count in the log-average miss rate.
     units
         ``find_units(result)``, if already computed.
 
     Returns
     -------
-    Columns `COLUMNS`: factor, group; both, x_only, y_only, neither: near encounters of the group
-    by who detects them, or what `Inference.split_in_group` says of a measure; odds_low, odds_high:
-    95 % interval of the odds ratio; p_corrected: by Holm, for all groups and measures of the table
-    (the rows of all are no groups). The others are attributes of `measures.Evidence`. Groups of
-    different factors overlap, and so do those of tags.
+    Columns `COLUMNS`. both, x_only, y_only, neither: near encounters of the group by the systems
+    that detect them, unless `Inference.split_in_group` defines another split for the measure;
+    odds_low, odds_high: 95 % interval of the odds ratio; p_corrected: by Holm, for all groups and
+    measures of the table (rows of all encounters are not groups). The others are attributes of
+    `measures.Evidence`. Groups of different factors overlap, and so do groups of tags.
 
     References
     ----------
@@ -112,7 +113,9 @@ def subgroup_table(
 def judge_groups(
     result: Result, groups: Sequence[Subgroup], keys: Sequence[str], *, units: Units | None = None
 ) -> dict[str, dict[str, Evidence]]:
-    """Evidence of some measures for groups of encounters, by group, then by key.
+    """Return the evidence on some measures for groups of encounters, by group, then by key.
+
+    p is not corrected for the number of groups.
 
     No p is corrected for the number of groups.
     """
@@ -146,7 +149,7 @@ def _row(result: Result, part: Subgroup, evidence: Evidence) -> dict[str, Any]:
 def _judge_part(
     result: Result, part: Subgroup, keys: Sequence[str], *, units: Units, protocol: Protocol
 ) -> list[Evidence]:
-    """The measures of a group, in their order."""
+    """Return the evidence on the measures for a group, in the order of `keys`."""
     part_result = _narrow(result, part)
     within = units_within(result, units, part.recordings)
     known: dict[str, Evidence | None] = {}
@@ -182,7 +185,7 @@ def _judge_part(
 
 
 def _narrow(result: Result, part: Subgroup) -> Result:
-    """The result in which only the encounters and events of a group count."""
+    """Return the result in which only the encounters and events of a group count."""
     category = np.where(part.is_member, result.category, Category.DISTANT.value)
     # distant encounters can be urgent, and belong to groups of recordings alone
     is_of_part = part.is_member
@@ -209,7 +212,7 @@ def _with_events_of(part: Subgroup, system: SystemResult) -> SystemResult:
 
 
 def _miss_rate(result: Result, part: Subgroup, units: Units, protocol: Protocol) -> Evidence:
-    """Log-average miss rate of a group: other pedestrians are ignored."""
+    """Judge the log-average miss rate of a group, ignoring other pedestrians."""
     if part.factor == ALL:
         return judge_miss_rate(result, units, protocol).evidence
     if part.has_frames:
@@ -219,7 +222,7 @@ def _miss_rate(result: Result, part: Subgroup, units: Units, protocol: Protocol)
 
 
 def _only(result: Result, part: Subgroup) -> Dataset:
-    """The dataset with the pedestrians of all other encounters ignored."""
+    """Return the dataset with the pedestrians of all other encounters ignored."""
     dataset, encounter_of = result.dataset, result.encounters.encounter_of
     ignore = dataset.boxes["ignore"].to_numpy(dtype=bool, copy=True)
     is_of_part = np.append(part.is_member, False)[encounter_of]  # -1: in none

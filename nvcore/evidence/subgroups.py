@@ -1,4 +1,4 @@
-"""Parts of the encounters: near and far, centre and edge, occluded, odd poses, recordings' tags."""
+"""Groups of encounters: near, far, centre, edge, occluded, odd poses, classes, recordings' tags."""
 
 from __future__ import annotations
 
@@ -13,33 +13,34 @@ from nvcore.metrics.encounter_classes import classes_of
 from nvcore.params import MIDPOINT_SHARE
 
 NEAR_MIDPOINTS: Final = 2.0
-"""Near: the largest box is this many times as high as a box that counts half. Height is inverse to
-distance: at half the distance of the step or closer."""
+"""Least height of the largest box of a near encounter, as a multiple of the height that counts
+half. Height is inverse to distance: half the distance of the step or closer."""
 CENTRE_OFFSET: Final = 0.5
-"""Centre: on average in the middle half of the picture, where the road is."""
+"""Largest mean lateral offset of a central encounter: the picture's middle half, with the road."""
 OCCLUDED_SHARE: Final = 0.5
-"""Occluded: in at least this share of the frames with known occlusion."""
+"""Least share of occluded frames, among those with known occlusion, of an occluded encounter."""
 ODD_POSE_Z: Final = 1.0
-"""Odd pose: the aspect ratio is this many standard deviations or more from the mean."""
+"""Least deviation of an odd pose's aspect ratio from the mean, in standard deviations."""
 
 ALL: Final = "all"
 TAG: Final = "tag"
 CLASS: Final = "class"
 MOST_CLASSES: Final = 12
-"""Classes of pedestrians that are groups of their own: p is corrected for all groups."""
+"""Most classes of pedestrians that become groups, since p is corrected for all groups."""
 
 
 @dataclass(frozen=True, eq=False)
 class Subgroup:
-    """Some of the encounters.
+    """Group of encounters.
 
     Attributes
     ----------
     factor, group
-        What encounters are divided by (``distance``, ``place``, ``occlusion``, ``pose``,
-        ``class``, ``tag``), and the name of the part.
+        Criterion for dividing encounters (``distance``, ``place``, ``occlusion``, ``pose``,
+        ``class``, ``tag``), and the name of the group.
     is_member
-        Encounters in it that count, as a rule distant ones left out; bool, shape (n_encounters,).
+        Encounters of the group that count, as a rule without distant ones; bool, shape
+        (n_encounters,).
     recordings
         Recordings with the tag, or with a member; bool, shape (n_recordings,).
     """
@@ -56,12 +57,16 @@ class Subgroup:
 
 
 def everyone(result: Result) -> Subgroup:
-    """All encounters that count, and all recordings."""
+    """Return the group of all encounters that count and all recordings."""
     return Subgroup(ALL, ALL, result.is_near, np.ones(len(result.dataset.recordings), dtype=bool))
 
 
 def find_subgroups(result: Result) -> tuple[Subgroup, ...]:
-    """The parts of the encounters that count: by the ground truth alone, the same for X and Y.
+    """Find the groups of encounters, from the ground truth alone and so the same for X and Y.
+
+    A factor is left out if the data lack it (occlusion, classes, tags) or one of its groups would
+    be empty. A tag without frames is left out, too. A recording may have several tags, a pedestrian
+    several classes.
 
     A factor is left out where the data do not have it (occlusion, classes, tags) or do not divide
     by it (a part would be empty), and so is a tag without frames. A recording may have several
@@ -102,7 +107,7 @@ def find_subgroups(result: Result) -> tuple[Subgroup, ...]:
 
 
 def class_groups(result: Result, is_counted: np.ndarray) -> tuple[Subgroup, ...]:
-    """Each class that some of these encounters have, also those that come from boxes alone.
+    """Return a group for each class of these encounters, including classes derived from boxes.
 
     Parameters
     ----------
@@ -123,7 +128,7 @@ def _part(result: Result, factor: str, group: str, is_member: np.ndarray) -> Sub
 
 
 def _class_groups(result: Result, is_near: np.ndarray) -> list[Subgroup]:
-    """The largest named classes and codes: derived ones would add tests to every table."""
+    """Return the largest named classes and codes. Derived ones would add tests to every table."""
     if result.dataset.attributes.empty and not result.dataset.settings.codes:
         return []
     classes = classes_of(result.dataset)

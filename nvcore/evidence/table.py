@@ -25,21 +25,20 @@ def evidence_table(
 ) -> pd.DataFrame:
     """Return the evidence on every measure, the log-average miss rate last.
 
-    Columns are those of `nvcore.evidence.measures.significance_table`.
-
-    At equal false alarms `nvcore.evidence.companions.judge_equal_alarms`; at unequal operating
-    points the note of each measure that depends on them says so.
+    Columns are those of `nvcore.evidence.measures.significance_table`. A comparison at equal false
+    alarms uses `nvcore.evidence.companions.judge_equal_alarms`. At unequal operating points, the
+    note of each measure that depends on them says so.
 
     Parameters
     ----------
     protocol
-        Which pedestrians count in the log-average miss rate.
+        Selection of the pedestrians that count in the log-average miss rate.
     units, miss_rate
         ``find_units(result)``, ``judge_miss_rate(result, units, protocol)``, if already computed.
     primary
-        As of `significance_table`.
+        See `significance_table`.
     has_intervals
-        Without them, p alone: much faster.
+        False computes only p, which is much faster.
 
     Examples
     --------

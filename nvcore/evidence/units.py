@@ -1,4 +1,4 @@
-"""What is resampled: whole recordings, or blocks of time where recordings are too few."""
+"""Units of resampling: whole recordings, or blocks of time if there are too few recordings."""
 
 from __future__ import annotations
 
@@ -17,19 +17,20 @@ from nvcore.scoring import SystemResult
 
 RECORDINGS: Final = "recordings"
 UNITS: Final = "units"
-"""Recordings, of which some are one: parts of a drive, or copies."""
+"""Kind of units made of one or several recordings, such as parts of a drive, or copies."""
 BLOCKS: Final = "blocks"
 WHOLE: Final = frozenset({RECORDINGS, UNITS})
-"""Kinds that say something of other recordings."""
+"""Kinds of units that represent other recordings."""
 MIN_RECORDINGS: Final = 6
-"""Fewest recordings that say anything of others: with 5, p is at least 2 / 2^5 = 0.0625."""
+"""Fewest recordings that represent others. With 5, p is at least 2 / 2^5 = 0.0625."""
 OTHER_RECORDINGS: Final = "other recordings"
 THESE_RECORDINGS: Final = "these recordings"
 STRETCH: Final = 2
-"""Length of the blocks in lengths that minimise the variance's error: in simulations, tests at 5 %
-rejected 8 to 10 % of equal traces with that length, 6 to 8 % with twice the length."""
+"""Length of the blocks as a multiple of the length that minimises the variance's error. In
+simulations, tests at 5 % rejected 8 to 10 % of equal traces with that length, and 6 to 8 % with
+twice the length."""
 MAX_BLOCKS: Final = 1000
-"""Most blocks of all recordings: more do not improve an interval, and longer ones are safer."""
+"""Most blocks in all recordings. More do not improve an interval, and longer ones are safer."""
 
 
 @dataclass(frozen=True)
@@ -41,19 +42,20 @@ class Units:
     kind
         ``"recordings"``, ``"units"`` of several recordings, or ``"blocks"`` of time.
     unit_of_frame
-        Unit of every listed frame, -1: it is in none; int64, shape (n_frames,). Numbered by the
-        recordings' names, then by time, so that the order of the recordings changes no number.
+        Unit of every listed frame, -1 if it is in none; int64, shape (n_frames,). Units are
+        numbered by the recordings' names, then by time, so that the order of the recordings changes
+        no number.
     recording
-        Recording of each unit, the first of several, a row of the recordings table; int64, shape
-        (n_units,).
+        Recording of each unit (the first one of several), a row of the recordings table; int64,
+        shape (n_units,).
     n_recordings
-        Recordings with frames.
+        Number of recordings with frames.
     n_independent
-        These, with those of one unit counted as one.
+        Number of recordings with frames, counting each unit once.
     block_s
         Mean duration of a block in seconds; NaN for recordings.
     of_recording
-        Unit of each recording, the first of several; -1: it is in none. Int64, shape
+        Unit of each recording (the first one of several), -1 if it is in none; int64, shape
         (n_all_recordings,).
     """
 
@@ -69,7 +71,9 @@ class Units:
         return len(self.recording)
 
     def total(self, unit: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
-        """Sum of weights by unit, those of unit -1 left out; float64, shape (n_units,).
+        """Sum the weights by unit, skipping unit -1, float64, shape (n_units,).
+
+        Without weights, each row counts 1.
 
         Without weights each counts 1.
         """
@@ -80,12 +84,12 @@ class Units:
 
     @property
     def noun(self) -> str:
-        """What one is: ``recording``, ``unit`` or ``block``."""
+        """Noun for one unit: ``recording``, ``unit`` or ``block``."""
         return self.kind.removesuffix("s")
 
     @property
     def text(self) -> str:
-        """What the units are, such as ``16 recordings``."""
+        """Number and kind of the units, such as ``16 recordings``."""
         n = len(self)
         if self.kind in WHOLE:
             return f"{n:,} {self.noun}{'' if n == 1 else 's'}"
@@ -93,12 +97,12 @@ class Units:
 
     @property
     def scope(self) -> str:
-        """What intervals over these units are about."""
+        """Scope of intervals over these units."""
         return OTHER_RECORDINGS if self.kind in WHOLE else THESE_RECORDINGS
 
     @property
     def note(self) -> str:
-        """What the choice of units means; empty for recordings."""
+        """Consequences of the choice of units, empty for recordings."""
         if self.kind == RECORDINGS:
             return ""
         n = self.n_recordings
@@ -115,7 +119,12 @@ class Units:
 
 
 def find_units(result: Result) -> Units:
-    """Recordings where there are at least `MIN_RECORDINGS`, else blocks of time within them.
+    """Return recordings if there are at least `MIN_RECORDINGS`, else blocks of time within them.
+
+    Recordings that belong together (`nvcore.dataset.copies.units_of`) form one unit and count once.
+    All blocks have about the same number of listed frames: `STRETCH` times the longest length
+    (`block_length`) needed for the differences X - Y of similarity, of low frames and of false
+    alarms, but at most `MAX_BLOCKS` in all. Every recording has at least one block.
 
     Recordings that are one (`nvcore.dataset.copies.units_of`) are one unit, and count as one.
     All blocks have about the same number of listed frames: `STRETCH` times the longest length that
@@ -162,14 +171,14 @@ def find_units(result: Result) -> Units:
 
 
 def count_whole(dataset: Dataset) -> tuple[int, str]:
-    """How many recordings with frames there are, those of a unit as one; and what each is."""
+    """Count the recordings with frames, each unit once, and return the noun for them."""
     has_frames = np.diff(dataset.frame_columns.first) > 0
     n = _count_independent(dataset, has_frames)
     return n, "recording" if n == np.count_nonzero(has_frames) else "unit"
 
 
 def _count_independent(dataset: Dataset, recordings: np.ndarray) -> int:
-    """How many of these recordings (bool) there are, those of a unit as one."""
+    """Count these recordings (bool), each unit once."""
     shared = units_of(dataset)[recordings]
     return int(np.count_nonzero(shared == "")) + len(set(shared[shared != ""]))
 
@@ -184,15 +193,15 @@ def _differences(result: Result) -> tuple[np.ndarray, ...]:
 
 
 def sum_units(result: Result, units: Units) -> pd.DataFrame:
-    """Sums of every unit, from which measures over all units are computed.
+    """Sum every unit, as the basis for measures over all units.
 
     Returns
     -------
     One row per unit: recording (row of the recordings), n_frames, duration_s, share_of_recording
-    (how many recordings it is, or a block's part of one), n_encounters (not distant), those that
-    subjects count (`nvcore.measures.table.counted`); and, for each measure that is judged by units,
-    the sums of its parts: its key with ``_x`` and ``_y`` (NaN where it cannot be shared out to
-    blocks of time).
+    (number of recordings, or a block's share of one), n_encounters (not distant), counts of
+    subjects (`nvcore.measures.table.counted`), and the sums of the parts of each measure that is
+    judged by units. Their columns are the measure's key with ``_x`` and ``_y`` (NaN if it cannot be
+    split into blocks of time).
     Encounters, episodes and events belong to the unit in which they begin.
     """
     unit, total = units.unit_of_frame, units.total
@@ -220,7 +229,7 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
 
 
 def _sum_of(key: str, result: Result, system: SystemResult, units: Units) -> np.ndarray:
-    """Sum of the parts of a measure in every unit; NaN where it has none."""
+    """Sum the parts of a measure in every unit, NaN if it has none."""
     inference, by_recording = inference_of(key), measure_of(key).by_recording
     if inference.per == "share_of_recording" and units.kind in WHOLE:
         assert by_recording is not None, key
@@ -233,7 +242,7 @@ def _sum_of(key: str, result: Result, system: SystemResult, units: Units) -> np.
 
 
 def units_within(result: Result, units: Units, recordings: np.ndarray) -> Units:
-    """The units with some of these recordings (bool); frames of others are in unit -1."""
+    """Return the units with some of these recordings (bool). Other frames are in unit -1."""
     frames = result.dataset.frame_columns
     is_within = has_any_of(units, recordings)
     number = np.where(is_within, np.cumsum(is_within) - 1, -1)
@@ -255,7 +264,7 @@ def units_within(result: Result, units: Units, recordings: np.ndarray) -> Units:
 
 
 def has_any_of(units: Units, recordings: np.ndarray) -> np.ndarray:
-    """Which units have any of these recordings (bool); bool, shape (n_units,)."""
+    """Return which units have any of these recordings (bool). The result is bool, (n_units,)."""
     if units.kind == BLOCKS:
         within: np.ndarray = recordings[units.recording]
         return within

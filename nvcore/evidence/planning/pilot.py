@@ -1,4 +1,4 @@
-"""The recordings at hand as the pilot of a study: what each adds to the difference X - Y."""
+"""Pilot of a study: contribution of each available recording to the difference X - Y."""
 
 from __future__ import annotations
 
@@ -21,36 +21,36 @@ from nvcore.measures.table import EVIDENCE_KEYS, inference_of, key_in
 from nvcore.protocols import PROTOCOLS, Protocol
 
 MIN_PILOT: Final = MIN_SWAPPED
-"""Fewest recordings to plan from: with fewer there is no test of recordings, either."""
+"""Fewest recordings to plan from. With fewer, there is no test of recordings, either."""
 _BY_UNIT: Final = "_by_unit"
 PLAN_KEYS: Final = {
     key.removesuffix(_BY_UNIT): key
     for key in EVIDENCE_KEYS
     if inference_of(key).test != "encounters"
 }
-"""Measures that a study can be planned for, by the names that users give them: those judged by
-recordings. ``encounters_detected`` is the one by recordings, too."""
+"""Measures that a study can be planned for (those judged by recordings), by the users' names.
+``encounters_detected`` is also the measure by recordings."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pilot:
-    """A measure's difference X - Y as a ratio of sums over recordings.
+    """Difference X - Y of a measure, as a ratio of sums over recordings.
 
     Attributes
     ----------
     difference
         X - Y over all recordings, ``parts.sum() / weights.sum()``.
     parts, weights
-        What each recording adds to numerator and denominator; float64, shape (n_recordings,). Of
-        the log-average miss rate the parts are jackknife pseudo-values, the weights 1.
+        Contribution of each recording to numerator and denominator; float64, shape (n_recordings,).
+        For the log-average miss rate, the parts are jackknife pseudo-values and the weights are 1.
     differs
         Recordings in which X and Y differ; bool, shape (n_recordings,).
     n_encounters, duration_s
-        Of an average recording.
+        Encounters and duration of an average recording.
     thresholds
-        What other thresholds would give; None: the measure does not depend on them.
+        Results with other thresholds; None if the measure does not depend on them.
     sign
-        1 where a positive difference favours X, else -1.
+        1 if a positive difference favours X, else -1.
     """
 
     difference: float
@@ -67,24 +67,27 @@ class Pilot:
 
     @property
     def residuals(self) -> np.ndarray:
-        """How far each recording's part is from its share of the difference."""
+        """Deviation of each recording's part from its share of the difference."""
         rest: np.ndarray = self.parts - self.difference * self.weights
         return rest
 
     @property
     def spread(self) -> float:
-        """Standard deviation of one recording's difference about that of all."""
+        """Standard deviation of one recording's difference from that of all recordings."""
         scale = float(self.weights.mean())
         return float(np.sqrt((self.residuals**2).sum() / (len(self) - 1))) / scale
 
     @property
     def is_constant(self) -> bool:
-        """Whether recordings do not vary: nothing can be planned from them."""
+        """Whether recordings do not vary, so that nothing can be planned from them."""
         size = float(np.abs(self.parts).max(initial=0.0))
         return float(np.abs(self.residuals).max(initial=0.0)) <= 1e3 * ROUNDING * size
 
     def parts_for(self, difference: float) -> np.ndarray:
-        """Parts of recordings that vary as here, but by another difference on the whole.
+        """Return parts that vary as in these recordings, but with another overall difference.
+
+        The residuals are widened because n recordings drawn with replacement vary less than the
+        recordings that they come from.
 
         The residuals are widened: drawn with replacement, those of n recordings vary less than the
         recordings that they come from.
@@ -93,12 +96,12 @@ class Pilot:
         return parts
 
     def missing(self, difference: float) -> np.ndarray:
-        """What to add to each recording's part, so that the pilot's difference is this one."""
+        """Return the addition to each recording's part that gives the pilot this difference."""
         missing: np.ndarray = (difference - self.parts.sum() / self.weights.sum()) * self.weights
         return missing
 
     def is_withheld(self, difference: float) -> bool:
-        """Whether the better system has more false alarms, which no threshold can change."""
+        """Whether the better system has more false alarms and no threshold can change that."""
         if self.thresholds is None or any(self.thresholds.curves):
             return False
         x, y = (float(of.alarms.sum()) for of in self.thresholds.as_set)
@@ -111,7 +114,7 @@ class Pilot:
 
 
 def plan_key(name: str) -> str:
-    """The key in the table of evidence of a measure that a user names.
+    """Return the key in the table of evidence for a user's name of a measure.
 
     Raises
     ------
@@ -128,7 +131,7 @@ def judge_key(
     protocol: Protocol = PROTOCOLS["all"],
     units: Units | None = None,
 ) -> Evidence:
-    """The row of the table of evidence for one measure of `PLAN_KEYS`; p is not corrected."""
+    """Return the row of the table of evidence for a measure of `PLAN_KEYS`, with uncorrected p."""
     units = find_units(result) if units is None else units
     if inference_of(key).test == "curve":
         return judge_miss_rate(result, units, protocol).evidence
@@ -143,7 +146,10 @@ def make_pilot(
     protocol: Protocol = PROTOCOLS["all"],
     units: Units | None = None,
 ) -> tuple[Pilot | None, str]:
-    """The pilot for a measure of `PLAN_KEYS`; None, and why there is none.
+    """Return the pilot for a measure of `PLAN_KEYS`, or None and the reason for having none.
+
+    At least `MIN_PILOT` recordings are needed, because blocks of time do not represent other
+    recordings.
 
     Blocks of time say nothing of other recordings, so at least `MIN_PILOT` recordings are needed.
     """
@@ -170,7 +176,7 @@ def make_pilot(
 
 
 def too_few_for_pilot(n: int, n_independent: int) -> str:
-    """Why nothing is planned from `n` recordings, with those of one unit counted as one."""
+    """Explain why `n` recordings are too few for a plan. Recordings of one unit count as one."""
     verb = "is" if n == 1 else "are"
     needed, here = "recordings", f"{verb} {n}"
     if n_independent < n:
@@ -182,7 +188,7 @@ def too_few_for_pilot(n: int, n_independent: int) -> str:
 
 
 def _why_constant(pilot: Pilot) -> str:
-    """Why nothing can be planned from recordings that do not vary."""
+    """Explain why nothing can be planned from recordings that do not vary."""
     if not pilot.differs.any():
         return "X and Y are the same in every recording: there is no variation to plan from"
     n_counting = int(np.count_nonzero(pilot.weights))
@@ -223,7 +229,7 @@ def _pilot_of(measure: UnitMeasure, result: Result, units: Units) -> Pilot:
 
 
 def _counted_units(result: Result, units: Units, protocol: Protocol) -> Units:
-    """The units within the recordings that a protocol counts."""
+    """Return the units within the recordings that a protocol counts."""
     truth = filter_truth(result.dataset, protocol)
     recordings = np.zeros(len(result.dataset.recordings), dtype=bool)
     recordings[result.dataset.frame_columns.recording[truth.is_counted]] = True

@@ -17,40 +17,39 @@ from nvcore.metrics.shares import share_of
 from nvcore.progress import Progress, no_progress
 
 N_STUDIES: Final = 300
-"""Studies that are simulated at each size on the way."""
+"""Number of studies simulated at each intermediate size."""
 N_STUDIES_LAST: Final = 2000
-"""Studies at the size that comes out: power to 2 percentage points."""
+"""Number of studies simulated at the final size, which gives power to 2 percentage points."""
 MOST_RECORDINGS: Final = 10_000
-"""Largest study that is looked for."""
+"""Largest study size considered."""
 RANK: Final = 10
-"""Rank at which the random ways of a simulated test reject at least: the p-values of studies are
-known to a third where they decide."""
+"""Rank at which a simulated random test rejects at least, so that p-values of studies are accurate
+to a third near the decision."""
 LEAST_WAYS: Final = 399
-"""Fewest exchanges or resamples of a simulated test: 20 at a level of 5 %."""
+"""Fewest exchanges or resamples of a simulated test; rank 20 at a level of 5 %."""
 DRAWN_AT_ONCE: Final = 1_000_000
 """Exchanged recordings held in memory at a time."""
 ROUGHLY: Final = 0.015
-"""Share by which a size may be off: it is not known better."""
+"""Share by which a size may be off, since it is not known more precisely."""
 EXPANDED_FROM: Final = 40
-"""Recordings of a study from which on p is computed by expansions of both tests: in simulated
-studies, normal to lognormal, the studentised bootstrap and its own then decide alike in 95 to
-100 %."""
+"""Number of recordings from which p of both tests is computed by expansions. In simulated studies,
+normal to lognormal, the studentised bootstrap and its expansion then agree in 95 to 100 %."""
 LEAST_PARTS: Final = 20
-"""Fewest parts that matter for the expansion of the exchange."""
+"""Fewest relevant parts for the expansion of the exchange test."""
 CONSTANT: Final = 1e-9
-"""Recordings whose spread is less than this share of their mean do not vary, but by rounding."""
+"""Largest spread, as a share of the mean, of recordings that vary only by rounding."""
 WAYS_AT_ONCE: Final = 100
-"""Exchanges or resamples between two looks at whether a study is decided."""
+"""Exchanges or resamples between two checks whether a study is decided."""
 GRID: Final = (0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0)
-"""Sizes that are tried first, as shares of a guess."""
+"""Sizes that are tried first, as multiples of a guess."""
 WORD_BITS: Final = 64
 
 CountShown = Callable[[int, int], int]
-"""From the recordings of a study and the number of studies: how many of these show it."""
+"""Function from the recordings of a study and the number of studies to the number that show it."""
 
 
 class PowerPoint(NamedTuple):
-    """Share of studies of one size that show what they look for, with its Monte Carlo interval."""
+    """Share of studies of one size that succeed, with its Monte Carlo interval."""
 
     n_recordings: int
     power: float
@@ -60,7 +59,7 @@ class PowerPoint(NamedTuple):
 
 
 class StudyLength(NamedTuple):
-    """The smallest study with the power, None if more than `MOST_RECORDINGS`, and the curve."""
+    """Smallest study with the desired power (None above `MOST_RECORDINGS`), and the power curve."""
 
     n_recordings: int | None
     points: tuple[PowerPoint, ...]
@@ -69,7 +68,12 @@ class StudyLength(NamedTuple):
 def count_differences_shown(
     pilot: Pilot, difference: float, n_recordings: int, n_studies: int, *, level: float
 ) -> int:
-    """How many simulated studies claim that X and Y differ, with the better system that is assumed.
+    """Count simulated studies that claim a difference in favour of the assumed better system.
+
+    A study draws whole recordings of the pilot with replacement, which keeps all data of a
+    recording together. It claims a difference as the verdict does: if both tests of recordings
+    reject at equal false alarms, and also as set, unless X and Y are set unequally. If no threshold
+    can move, the better system must not have more false alarms.
 
     A study draws whole recordings of the pilot with replacement, so that whatever belongs to one
     recording stays together. It claims a difference as the verdict does: where both tests of
@@ -79,8 +83,7 @@ def count_differences_shown(
     Parameters
     ----------
     difference
-        The true difference X - Y that is assumed (`Pilot.parts_for`); 0: claims for
-        either system count.
+        Assumed true difference X - Y (`Pilot.parts_for`); with 0, claims for either system count.
     level
         Largest p at which a study shows a difference.
     """
@@ -118,7 +121,10 @@ def _better(
     weights: np.ndarray,
     level: float,
 ) -> np.ndarray:
-    """Of each study the sign of the difference that both tests show; 0: none.
+    """Return the sign of the difference that both tests show in each study, 0 if none.
+
+    As in the table of evidence, the tests are the exchange of X and Y
+    (`nvcore.evidence.paired_tests.swap_test`) and the studentised bootstrap.
 
     As in the table of evidence: the exchange of X and Y (`nvcore.evidence.paired_tests.swap_test`)
     and the studentised bootstrap.
@@ -126,7 +132,7 @@ def _better(
     Parameters
     ----------
     parts
-        Of the recordings, shape (n_recordings,), or of each study's, (n_studies, n_recordings).
+        Parts of the recordings, shape (n_recordings,), or by study, (n_studies, n_recordings).
     """
     parts = np.broadcast_to(parts, drawn.shape)
     better = np.zeros(len(drawn))
@@ -149,7 +155,7 @@ def _better(
     values = np.sign(ratio)[:, np.newaxis] * (parts - ratio[:, np.newaxis] * weights)
     means = np.abs(total) / n_recordings
     spreads = np.sqrt((drawn * values**2).sum(axis=1) / n_recordings)
-    # where recordings do not vary there is no studentised test, and the exchange decides
+    # without variation between recordings there is no studentised test, so the exchange decides
     is_shown = spreads <= CONSTANT * means
     varies = ~is_shown
     if n_recordings < EXPANDED_FROM:
@@ -166,7 +172,7 @@ def _better(
 def _reject_by_exchange(
     rng: np.random.Generator, drawn: np.ndarray, parts: np.ndarray, *, n_ways: int, level: float
 ) -> np.ndarray:
-    """Which studies the exchange of X and Y rejects at this level; bool, shape (n_studies,)."""
+    """Return which studies the exchange test rejects at this level, bool, shape (n_studies,)."""
     totals = (drawn * parts).sum(axis=1)
     least = np.abs(totals) - ROUNDING * np.abs(drawn * parts).sum(axis=1)
 
@@ -180,7 +186,10 @@ def _reject_by_exchange(
 
 
 def exchange_p(drawn: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Two-sided p of the exchange of X and Y by its expansion, and where that is close to it.
+    """Return the two-sided p of the exchange test by expansion, and where the expansion is close.
+
+    After an exchange, a study's difference is a sum of its parts with random signs, which is
+    symmetrical. The expansion is close unless a few parts make up most of that sum.
 
     Exchanged, a study's difference is a sum of its parts with random signs, which is symmetrical.
     The expansion is close to it where no few parts make up most of that sum.
@@ -190,7 +199,7 @@ def exchange_p(drawn: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.nda
     drawn
         How often each study has drawn each recording; shape (n_studies, n).
     parts
-        Of the recordings, shape (n,), or of each study's, (n_studies, n).
+        Parts of the recordings, shape (n,), or by study, (n_studies, n).
     """
     square, fourth = (drawn * parts**2).sum(axis=1), (drawn * parts**4).sum(axis=1)
     scale = np.maximum(square, 1e-300)
@@ -210,7 +219,7 @@ def _reject_by_resampling(
     n_ways: int,
     level: float,
 ) -> np.ndarray:
-    """Which studies the studentised bootstrap rejects at this level; bool, shape (n_studies,)."""
+    """Return which studies the studentised bootstrap rejects at this level, bool, (n_studies,)."""
     if not len(drawn):
         return np.zeros(0, dtype=bool)
     n_recordings = int(drawn[0].sum())
@@ -235,16 +244,16 @@ def _reject_by_resampling(
 
 
 def studentised_tail(drawn: np.ndarray, values: np.ndarray, means: np.ndarray) -> np.ndarray:
-    """One-sided p of the studentised bootstrap by its expansion to the second order.
+    """Return the one-sided p of the studentised bootstrap by its second-order expansion.
 
     Parameters
     ----------
     drawn
         How often each study has drawn each recording; shape (n_studies, n).
     values
-        Parts of the recordings about the study's mean, likewise.
+        Parts of the recordings minus the study's mean, in the same shape.
     means
-        The means that are tested, positive; shape (n_studies,).
+        Tested means, positive; shape (n_studies,).
 
     References
     ----------
@@ -272,12 +281,13 @@ def _are_few_reached(
     n_ways: int,
     share: float,
 ) -> np.ndarray:
-    """Studies in which at most this share of random ways reaches the observed value; bool.
+    """Return the studies in which at most this share of random ways reaches the observed value.
 
     Parameters
     ----------
     is_reached
-        From studies and a number of random ways: in which ways each study reaches it, bool.
+        Function of studies and a number of random ways, returning which ways reach it in each
+        study.
     size
         Numbers held in memory for each study and way.
     """
@@ -298,7 +308,7 @@ def _are_few_reached(
 
 
 def _exchange(rng: np.random.Generator, drawn: np.ndarray, n_exchanges: int) -> np.ndarray:
-    """Binomial(drawn, 1/2), `n_exchanges` times: bits of random words that are set.
+    """Draw from Binomial(drawn, 1/2) `n_exchanges` times, as the set bits of random words.
 
     Shape (n_studies, n) to (n_studies, n_exchanges, n).
     """
@@ -317,7 +327,11 @@ def _exchange(rng: np.random.Generator, drawn: np.ndarray, n_exchanges: int) -> 
 def count_noninferior(
     pilot: Pilot, difference: float, n_recordings: int, n_studies: int, *, margin: float, sign: int
 ) -> int:
-    """How many simulated studies show that the candidate is worse by less than the margin.
+    """Count simulated studies that show that the candidate is worse by less than the margin.
+
+    Studies are drawn as in `count_differences_shown`, at equal false alarms if the pilot has
+    thresholds. Each study's 95 % interval is Student's for the ratio of sums, which is close to the
+    widened bootstrap interval of the evidence.
 
     Studies are drawn as in `count_differences_shown`, at equal false alarms if the pilot has
     thresholds. Each study's 95 % interval is Student's of the ratio of sums, which the widened
@@ -326,7 +340,7 @@ def count_noninferior(
     Parameters
     ----------
     margin
-        Of the measure, positive.
+        Margin of the measure, positive.
     sign
         1 if a positive difference X - Y favours the candidate, else -1.
     """
@@ -358,7 +372,12 @@ def find_length(
     target: float,
     progress: Progress = no_progress,
 ) -> StudyLength:
-    """The smallest study in which a share `target` of studies shows what it looks for.
+    """Find the smallest study size at which a share `target` of studies succeeds.
+
+    Studies of several sizes around the guess are simulated and smoothed by a line through the
+    normal quantiles of their power over the square root of the size, which is the form of the power
+    of a mean. The size at which the line reaches the target is simulated again with more studies.
+    The result is the first such size whose own power reaches the target.
 
     Studies of several sizes about the guess are simulated; a line through the normal quantiles of
     their power over the square root of the size, which is what the power of a mean follows,
@@ -387,7 +406,7 @@ def find_length(
     while points[min(points)].power >= target and min(points) > least:
         simulate(max(min(points) // 2, least))
     n_recordings = 0
-    # with more studies, the only size that reached the target may fall below it: go on then
+    # with more studies, the only size that reached the target may fall below it; then continue
     while not n_recordings or all(point.power < target for point in points.values()):
         while points[max(points)].power < target and max(points) < MOST_RECORDINGS:
             simulate(min(2 * max(points), MOST_RECORDINGS))
@@ -404,7 +423,7 @@ def find_length(
         simulate(n_recordings, N_STUDIES_LAST)
     if points[n_recordings].power < target:
         return found(None)
-    # one of the sizes on the way may reach it with its fewer studies: by luck, or in earnest
+    # an intermediate size may also reach it with its fewer studies, by luck or truly
     while points[first := min(n for n in points if points[n].power >= target)].n_studies < (
         N_STUDIES_LAST
     ):
@@ -413,7 +432,7 @@ def find_length(
 
 
 def _length_at(points: dict[int, PowerPoint], target: float, least: int) -> int:
-    """Where the smoothed curve of power reaches the target."""
+    """Return the size at which the smoothed power curve reaches the target."""
     sizes = np.array(sorted(points))
     rows = [points[n] for n in sizes]
     if rows[0].power >= target:
@@ -423,7 +442,7 @@ def _length_at(points: dict[int, PowerPoint], target: float, least: int) -> int:
     power = np.clip(power, 0.5 / n_studies, 1 - 0.5 / n_studies)
     quantile = scipy.special.ndtri(power)
     density = np.exp(-(quantile**2) / 2)
-    # the variance of a share as its normal quantile; far from the target the line is none
+    # variance of a share as its normal quantile; far from the target the curve is not a line
     weight = np.sqrt(n_studies * density**2 / (power * (1 - power)))
     weight *= np.exp(-((quantile - scipy.special.ndtri(target)) ** 2) / 2)
     slope, start = np.polyfit(np.sqrt(sizes), quantile, 1, w=weight)
@@ -436,6 +455,6 @@ def _length_at(points: dict[int, PowerPoint], target: float, least: int) -> int:
 
 
 def guess_length(pilot: Pilot, distance: float, *, level: float, target: float) -> float:
-    """Recordings for the power if the mean were normal: ``((z_level + z_power) * sd / d)^2``."""
+    """Return the recordings needed for a normal mean: ``((z_level + z_power) * sd / d)^2``."""
     quantiles = scipy.special.ndtri(1 - level / 2) + scipy.special.ndtri(target)
     return float((quantiles * pilot.spread / distance) ** 2)

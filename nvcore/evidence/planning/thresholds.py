@@ -1,4 +1,4 @@
-"""What simulated studies find at equal false alarms: thresholds are chosen in each of them anew."""
+"""Results of simulated studies at equal false alarms, with thresholds chosen per study."""
 
 from __future__ import annotations
 
@@ -22,29 +22,31 @@ from nvcore.evidence.units import Units
 
 N_THRESHOLDS: Final = 24
 REACH: Final = 8.0
-"""Thresholds are tried that give from as many times fewer false alarms than X and Y have to as many
-times more."""
+"""Factor by which the tried thresholds reduce or increase the false alarms of X and Y at most."""
 
 ALARMS: Final = "false alarms"
 Sums = Mapping[str, np.ndarray]
-"""Of `ALARMS` and of each measure, by its key: its sum in every unit; shape (n_units,)."""
+"""Sums of `ALARMS` and of each measure in every unit, by key; shape (n_units,)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """What thresholds give of one system in every recording, from strict to lax.
+    """Results of one system in every recording at several thresholds, from strict to lax.
 
     Attributes
     ----------
     alarms, parts
-        False alarms, and the sums that make a measure; float64, shape (n_thresholds, n_recordings).
+        False alarms, and sums of the measure; float64, shape (n_thresholds, n_recordings).
     """
 
     alarms: np.ndarray
     parts: np.ndarray
 
     def at(self, drawn: np.ndarray, n_alarms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Alarms and parts of each study at the threshold that gives so many in it.
+        """Return alarms and parts of each study at the threshold that gives `n_alarms` in it.
+
+        Between two thresholds they are interpolated linearly. Beyond the last threshold they are
+        constant.
 
         Between two thresholds by linear interpolation; beyond the last ones, these.
 
@@ -67,7 +69,7 @@ class Curve:
         return alarms, parts
 
     def widened(self, factor: float) -> Curve:
-        """Recordings that vary more about their mean."""
+        """Return a curve whose recordings vary more around their mean."""
         both = np.array([self.alarms, self.parts])
         mean = both.mean(axis=2, keepdims=True)
         return Curve(*(mean + factor * (both - mean)))
@@ -75,28 +77,28 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Thresholds:
-    """X and Y of a pilot as set, and what other thresholds would give.
+    """X and Y of a pilot as set, and their results at other thresholds.
 
     Attributes
     ----------
     as_set
-        Of X and of Y: a single threshold, the one as set.
+        Curves of X and Y with a single threshold, the one as set.
     curves
-        Of X and of Y; None: it has no scores.
+        Curves of X and Y; None for a system without scores.
     """
 
     as_set: tuple[Curve, Curve]
     curves: tuple[Curve | None, Curve | None]
 
     def widened(self, factor: float) -> Thresholds:
-        """As `Curve.widened`."""
+        """Widen all curves, see `Curve.widened`."""
         x, y = (of.widened(factor) for of in self.as_set)
         curve_x, curve_y = (of and of.widened(factor) for of in self.curves)
         return Thresholds((x, y), (curve_x, curve_y))
 
 
 def vary_thresholds(result: Result, units: Units) -> dict[str, Thresholds]:
-    """What other thresholds would give in every unit, of each measure judged by units, by key.
+    """Compute the results of other thresholds in every unit, for each measure judged by units.
 
     Parameters
     ----------
@@ -138,7 +140,7 @@ def vary_thresholds(result: Result, units: Units) -> dict[str, Thresholds]:
 
 
 def _sums_of(result: Result, units: Units) -> dict[str, Sums]:
-    """False alarms and sums of every measure by unit, of X and of Y."""
+    """Return false alarms and sums of every measure by unit, for X and Y."""
     measures = unit_measures(result, units)
     return {
         letter: {
@@ -152,10 +154,11 @@ def _sums_of(result: Result, units: Units) -> dict[str, Sums]:
 def parts_at_equal_alarms(
     thresholds: Thresholds, drawn: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What simulated studies test where X and Y have equally many false alarms in them.
+    """Compute the parts that simulated studies test at equal false alarms of X and Y.
 
-    As `nvcore.evidence.companions.shifts_at_equal_alarms` does for a comparison: each recording's
-    part in the difference, less what it owes to its part in the ratio of false alarms.
+    Like `nvcore.evidence.companions.shifts_at_equal_alarms` for a comparison, this takes each
+    recording's part in the difference, minus the amount due to its part in the ratio of false
+    alarms.
 
     Parameters
     ----------
@@ -164,10 +167,10 @@ def parts_at_equal_alarms(
 
     Returns
     -------
-    Parts, float64, shape (n_studies, n_recordings), NaN where no threshold sets the two alike or,
-    as in `nvcore.evidence.companions.judge_equal_alarms`, recordings say too little of that; and of
-    each study whether X and Y are set to unequally many false alarms, and which has more as set:
-    1 X, -1 Y, 0 neither.
+    Three arrays. Parts, float64, shape (n_studies, n_recordings): NaN if no threshold equalises the
+    two or, as in `nvcore.evidence.companions.judge_equal_alarms`, recordings say too little about
+    it. Whether X and Y are set to unequal false alarms, by study. System with more false alarms as
+    set, by study: 1 X, -1 Y, 0 neither.
     """
     x, y = thresholds.as_set
     n_x, n_y = (drawn @ of.alarms[0] for of in (x, y))
@@ -189,7 +192,10 @@ def parts_at_equal_alarms(
 def _parts_of(
     curve: Curve, other_curve: Curve | None, other: Curve, drawn: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The parts in the moved system's less the other's measure, less what is owed to alarms.
+    """Return the parts in the moved system's measure minus the other's, minus the alarms' share.
+
+    The second result is the standard error of the logarithm of the ratio of false alarms, shape
+    (n_studies,). Parts are NaN in studies in which no threshold gives equal false alarms.
 
     And the standard error of the logarithm of the ratio of false alarms, shape (n_studies,). Parts
     are NaN in studies in which no threshold gives equal false alarms.
@@ -216,6 +222,6 @@ def _parts_of(
 
 
 def _are_unequal(n_one: np.ndarray, n_other: np.ndarray) -> np.ndarray:
-    """`are_unequal_alarms` of every study; bool, shape (n_studies,)."""
+    """Apply `are_unequal_alarms` to every study, bool, shape (n_studies,)."""
     pairs = zip(n_one, n_other, strict=True)
     return np.array([are_unequal_alarms(*pair) for pair in pairs], dtype=bool)
