@@ -41,60 +41,61 @@ from nvcore.wording import MOST_NAMED, did_you_mean, listed
 Kept = TypeVar("Kept")
 
 MOST_TAGS = 12
-"""Tags that an error names: they are short, and few."""
+"""Most tags named in an error. Tags are short and few."""
 INPUT_COLUMNS = ("subject", "file", "sha256", "format", "conversion")
 
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """Ground truth and systems of one comparison; immutable.
+    """Ground truth and systems of one comparison, immutable.
 
     Attributes
     ----------
     recordings
-        One row per recording: name, width, height (px), fps, horizon (px, NaN unknown), context
-        (0 urban to 1 rural, NaN not stated), speed_kmh (of the car in frames that no series knows,
-        NaN not stated), tags (tuple of str), unit (what it is part of; empty: it stands by itself).
+        One row per recording: name, width, height (px), fps, horizon (px, NaN unknown), context (0
+        urban to 1 rural, NaN not stated), speed_kmh (speed of the car in frames without a value in
+        a series, NaN not stated), tags (tuple of str), unit (name of the unit that it belongs to;
+        empty if it is a unit of its own).
     frames
-        One row per listed frame, frames without boxes too: recording (row of `recordings`),
-        frame, time_s, step_s, speed_kmh (by a series, NaN none). Sorted by recording, then frame.
+        One row per listed frame, including frames without boxes: recording (row of `recordings`),
+        frame, time_s, step_s, speed_kmh (from a series, NaN none). Sorted by recording, then frame.
     boxes
         Truth and all systems: columns of `nvcore.schema.DATASET_BOX_DTYPES`, sorted by source,
         frame_index, file order.
     systems
-        Names; the boxes of ``systems[i]`` have source ``i + 1``.
+        Names. The boxes of ``systems[i]`` have source ``i + 1``.
     inputs
         One row per input file: subject (truth or system), file, sha256, format, conversion.
     left_out
-        Rows that could not be placed (frame not listed, recording unknown, coordinates that are
-        no box), with subject, recording, frame, file, line, reason and box. Nothing is lost.
+        Rows that could not be used (frame not listed, recording unknown, coordinates that are no
+        box), with subject, recording, frame, file, line, reason and box. No row of the input is
+        lost.
     findings
-        What was reported while the inputs were read.
+        Findings reported while reading the inputs.
     notes
-        Choices made on the user's behalf, in words: which frames are evaluated and why.
+        Choices made on the user's behalf, in words, such as which frames are evaluated and why.
     fingerprint
-        sha256 over the input bytes and the reader settings; for data made in memory, over the
-        tables.
+        sha256 over the input bytes and the reader settings, or over the tables for data made in
+        memory.
     attributes
-        Columns of `nvcore.schema.ATTRIBUTE_DTYPES`: what the truth says of its pedestrians, for
-        `nvcore.metrics.encounter_classes`.
+        Attributes of pedestrians in the truth, for `nvcore.metrics.encounter_classes`; columns of
+        `nvcore.schema.ATTRIBUTE_DTYPES`.
     settings
-        How to compare it unless the caller says otherwise: the session that it was loaded from.
+        Default settings of comparisons, from the session that the data were loaded from.
     provenance
-        How the detections of systems were made, by their names; one of which nothing is known is
+        Provenance of the systems' detections, by system name; systems with unknown provenance are
         absent.
     of_subjects
-        What subjects know of the data by their inputs (`nvcore.inputs.added.Input`), by their
-        names; see `of`.
+        Data of subjects from their inputs (`nvcore.inputs.added.Input`), by subject name; see `of`.
     labels
-        What the column `label` of `boxes` counts: classes in the words of the objects ("70"), where
-        boxes of several count.
+        Names of the classes that the column `label` of `boxes` numbers, in the words of the objects
+        ("70"), if boxes of several classes count.
     read_as
-        How the files of each source were read, by ``truth`` or the system's name; empty for data
-        made in memory.
+        Interpretation of the files of each source, by ``truth`` or system name; empty for data made
+        in memory.
     each_alone
-        Whether no value of a recording depends on the others: what compares recordings (z-scores,
-        children by stature) is left out, and tables have all columns that they can have.
+        True if no value of a recording may depend on the others. Values that compare recordings
+        (z-scores, children by stature) are then left out, and tables have all possible columns.
     """
 
     recordings: pd.DataFrame
@@ -118,11 +119,11 @@ class Dataset:
 
     @property
     def primary(self) -> Primary:
-        """The measure by which the comparison is decided."""
+        """Measure that decides the comparison."""
         return self.settings.primary.of_data(self.fingerprint)
 
     def of(self, subject: str) -> Any:
-        """What a subject knows of the data by its inputs; None: they name none."""
+        """Return a subject's data from its inputs, or None if there are none."""
         return self.of_subjects.get(subject)
 
     @cached_property
@@ -145,27 +146,27 @@ class Dataset:
 
     @cached_property
     def copies(self) -> tuple[Copy, ...]:
-        """Recordings that hold the same truth; none are looked for where each is alone."""
+        """Recordings with the same truth, not searched for if each recording stands alone."""
         return () if self.each_alone else find_copies(self)
 
     def unlisted_frames(self, recording: str) -> np.ndarray:
-        """Frames of a recording with boxes of the truth, but not evaluated; int64, ascending."""
+        """Return the frames of a recording with truth boxes that are not evaluated, ascending."""
         return self._unlisted.get(recording, np.empty(0, np.int64))
 
     @cached_property
     def _unlisted(self) -> dict[str, np.ndarray]:
-        """`unlisted_frames` of every recording that has any, in one pass over the rows left out."""
+        """`unlisted_frames` of every recording that has any, in one pass over the unused rows."""
         lost = self.left_out[self.left_out["subject"] == "truth"]
         groups = lost.groupby("recording", sort=False)["frame"]
         return {str(name): np.unique(frames.to_numpy(np.int64)) for name, frames in groups}
 
     @cached_property
     def derived(self) -> dict[Hashable, Any]:
-        """What was computed from the data and is soon needed again (audit and comparison)."""
+        """Cache of values computed from the data (audit and comparison)."""
         return {}
 
     def kept(self, key: Hashable, compute: Callable[[Dataset], Kept]) -> Kept:
-        """What is computed from the data, once; from then on as it is in `derived`."""
+        """Return a value computed from the data, cached in `derived`."""
         if key not in self.derived:
             self.derived[key] = compute(self)
         kept: Kept = self.derived[key]
@@ -180,23 +181,23 @@ class Dataset:
 
     @property
     def objects(self) -> Objects:
-        """What the boxes are of."""
+        """Kind of objects that the boxes mark."""
         return self.settings.objects
 
     @property
     def truth(self) -> BoxColumns:
-        """Boxes of the ground truth, ignored ones included."""
+        """Boxes of the ground truth, including ignored ones."""
         return self.sources[TRUTH]
 
     @cached_property
     def sources(self) -> tuple[BoxColumns, ...]:
         """Boxes of the ground truth and of every system, in the order of `systems`."""
-        # cached: every change of a parameter needs them again
+        # cached because every change of a parameter needs them again
         return tuple(self._source(source) for source in range(len(self.systems) + 1))
 
     @cached_property
     def detectability(self) -> Detectability:
-        """What is known of the driver's view of every truth box, ignored ones included."""
+        """Known detectability of every truth box for the driver, including ignored boxes."""
         n_truth = len(self.truth)
         return Detectability(
             *(self.boxes[name].to_numpy()[:n_truth] for name in DETECTABILITY_COLUMNS)
@@ -208,7 +209,7 @@ class Dataset:
         return bool((~np.isnan(self.detectability.value) & ~self.truth.ignore).any())
 
     def system(self, name: str) -> BoxColumns:
-        """Detections of one system, all scores.
+        """Return the detections of one system, whatever their scores.
 
         Raises
         ------
@@ -220,21 +221,23 @@ class Dataset:
         return self.sources[self.systems.index(name) + 1]
 
     def with_settings(self, settings: Settings) -> Dataset:
-        """The same data, to be compared in another way; its columns are shared, not copied."""
+        """Return the same data with other settings. Its columns are shared, not copied."""
         assert self.derived is not None  # made now, it is shared too
         other = copy.copy(self)
         object.__setattr__(other, "settings", settings)
         return other
 
     def only(self, tags: str | Collection[str] = (), names: str | Collection[str] = ()) -> Dataset:
-        """The data of those recordings alone that have all of the tags and one of the names.
+        """Return only the recordings that have all of the tags and one of the names.
+
+        The settings of the result contain the same selection.
 
         Their settings choose them so, too.
 
         Parameters
         ----------
         tags, names
-            One or several; empty: any.
+            One or several; empty for any.
 
         Raises
         ------
@@ -291,14 +294,16 @@ class Dataset:
         )
 
     def renamed(self, systems: Mapping[str, str], recordings: Mapping[str, str]) -> Dataset:
-        """The same data with other names, by the old ones; what is not named stays.
+        """Return the same data with other names of systems and recordings, by the old names.
+
+        Names that are not given stay. The settings use the new names, too.
 
         The settings name them so, too.
 
         Raises
         ------
         InputError
-            If two would be called the same, one of them perhaps known by rows left out alone.
+            If two would have the same name, including recordings known only from unused rows.
         """
         own = self.systems, self.recordings["name"].tolist()
         names, titles = new_names(own[0], systems), new_names(own[1], recordings)
@@ -332,7 +337,9 @@ class Dataset:
         )
 
     def compared(self, x: str | None = None, y: str | None = None) -> tuple[str | None, str | None]:
-        """Names of X and Y: those given, else those of the settings, else the first that is left.
+        """Return the names of X and Y: the given ones, those of the settings, or the first others.
+
+        None if no system is left.
 
         None where no system is left.
         """
@@ -341,12 +348,12 @@ class Dataset:
         return x, y or next((name for name in self.systems if name != x), None)
 
     def params_of(self, x: str | None = None, y: str | None = None) -> Params:
-        """The settings' parameters with the thresholds of these systems filled in.
+        """Return the settings' parameters with the thresholds of these systems filled in.
 
         Parameters
         ----------
         x, y
-            As for `compared`.
+            See `compared`.
         """
         threshold_of = dict(zip(self.systems, self.settings.thresholds, strict=False))
         name_x, name_y = self.compared(x, y)
@@ -366,14 +373,14 @@ class Dataset:
 
 
 def part_text(names: Sequence[str], every: pd.DataFrame, tags: Collection[str]) -> str:
-    """Which of all recordings are compared, such as ``3 of 8 recordings: night``.
+    """Describe the selected recordings, such as ``3 of 8 recordings: night``.
 
     Parameters
     ----------
     every
-        `Dataset.recordings` of all.
+        `Dataset.recordings` before the selection.
     tags
-        Those that they were chosen by. Where others have these as well, the names are said too.
+        Tags used for the selection. If other recordings have them, too, the names are added.
     """
     named = ", ".join(names[:MOST_NAMED])
     if len(names) > MOST_NAMED:
@@ -388,7 +395,7 @@ def part_text(names: Sequence[str], every: pd.DataFrame, tags: Collection[str]) 
 
 
 def refuse_doubles(what: str, names: Sequence[str]) -> None:
-    """Raise InputError where two of these names are the same."""
+    """Raise InputError if two of these names are the same."""
     double = next((name for name in names if names.count(name) > 1), None)
     if double is not None:
         raise InputError(f"two {what} would be called {double!r}; expected different names")

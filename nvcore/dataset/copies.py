@@ -1,4 +1,4 @@
-"""Recordings that hold the same truth: copied, cut or shifted."""
+"""Detection of recordings with the same truth: copied, cut or shifted."""
 
 from __future__ import annotations
 
@@ -11,12 +11,11 @@ if TYPE_CHECKING:
     from nvcore.dataset import Dataset
 
 LEAST_BOXES: Final = 20
-"""Fewest boxes that two recordings share to be called one: neighbours in place and time by chance
-share single ones."""
+"""Fewest shared boxes of copies. Neighbours in place and time share single boxes by chance."""
 LEAST_SHARE: Final = 0.5
-"""Share of the boxes of the one that has fewer that are the other's, too."""
+"""Least share of the smaller recording's boxes that the other one must have."""
 GRAIN_PX: Final = 0.01
-"""Boxes that differ by less are the same: files are written with few decimals."""
+"""Boxes that differ by less are equal, because files are written with few decimals."""
 
 
 @dataclass(frozen=True)
@@ -28,11 +27,11 @@ class Copy:
     first, second
         Rows of the recordings table, ``first < second``.
     n_shared
-        Boxes of the same place and size in frames that are `shift_frames` apart.
+        Number of boxes with the same place and size in frames that are `shift_frames` apart.
     share
-        Of the boxes of the recording that has fewer.
+        Shared boxes as a share of those of the recording with fewer boxes.
     shift_frames
-        Frame number in the second less that in the first.
+        Frame number in the second recording minus that in the first.
     """
 
     first: int
@@ -43,7 +42,10 @@ class Copy:
 
 
 def find_copies(dataset: Dataset) -> tuple[Copy, ...]:
-    """Recordings whose truth is that of another one, or a part of it.
+    """Find recordings whose truth is that of another one, or a part of it.
+
+    Each is paired with one that has the same boxes, so that all copies of one recording are linked.
+    Boxes are compared by place and size, to `GRAIN_PX`, and by frame number, up to a shift.
 
     Each with one that holds the same boxes, so that all copies of one recording are linked. Boxes
     are compared by place and size, to `GRAIN_PX`, and by the number of their frame, up to a shift.
@@ -58,7 +60,7 @@ def find_copies(dataset: Dataset) -> tuple[Copy, ...]:
         return ()
     recording = frames["recording"].to_numpy()[truth.frame_index].astype(np.int64)
     n_boxes = np.bincount(recording, minlength=len(dataset.recordings))
-    # most boxes are like no other one: nearly none of these has to be put in order
+    # most boxes have no equal, so almost none of them needs sorting
     begins_repeated = np.zeros(1 << 20, dtype=bool)
     begins_repeated[repeated >> np.uint64(44)] = True
     rows = np.flatnonzero(begins_repeated[key >> np.uint64(44)])
@@ -84,7 +86,7 @@ def find_copies(dataset: Dataset) -> tuple[Copy, ...]:
 
 
 def _hashed(sides: tuple[np.ndarray, ...]) -> np.ndarray:
-    """A number for each box; those that are equal to `GRAIN_PX` have equal ones. Uint64, (n,)."""
+    """Return a hash of each box, uint64, (n,). Boxes equal to `GRAIN_PX` have equal hashes."""
     key = np.zeros(len(sides[0]), np.uint64)
     for side in sides:
         key ^= np.round(side / GRAIN_PX).astype(np.int64).view(np.uint64)
@@ -94,7 +96,7 @@ def _hashed(sides: tuple[np.ndarray, ...]) -> np.ndarray:
 
 
 def open_copies(dataset: Dataset) -> tuple[Copy, ...]:
-    """The copies of which nobody has said, by units of both, whether they are one."""
+    """Return the copies that are not settled by stated units of both recordings."""
     has_unit = dataset.recordings["unit"].to_numpy() != ""
     return tuple(
         copy for copy in dataset.copies if not (has_unit[copy.first] and has_unit[copy.second])
@@ -102,7 +104,10 @@ def open_copies(dataset: Dataset) -> tuple[Copy, ...]:
 
 
 def units_of(dataset: Dataset) -> np.ndarray:
-    """Name of the unit of each recording, object, shape (n_recordings,); empty: it is one itself.
+    """Return the name of each recording's unit, object, shape (n_recordings,).
+
+    Empty means that the recording is a unit of its own. Recordings of one unit are not independent:
+    they are stated to belong to one unit, or have the same truth without both having a stated unit.
 
     Recordings of one unit are not independent: those that are said to be part of one, and those
     that hold the same truth, unless both are said to be part of something.

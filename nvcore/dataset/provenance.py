@@ -7,7 +7,7 @@
      "files": {"urban_01.csv": "9e07..."},
      "recordings": [{"name": "urban_01", "frames": ["0:299"]}]}
 
-A record written by hand, for a detector of one's own, needs what it was trained on alone.
+A record written by hand for your own detector only needs ``trained_on``.
 """
 
 from __future__ import annotations
@@ -28,33 +28,33 @@ from nvcore.records import convert, decode, read_record
 from nvcore.wording import one_line, shortened
 
 Setting: TypeAlias = bool | int | float | str | None
-"""A value of a detector's settings, as JSON has it."""
+"""Value of a detector's setting, as in JSON."""
 Ranges: TypeAlias = tuple[tuple[int, int], ...]
-"""Frame numbers as first and last of each run of them, ascending."""
+"""Frame numbers as first and last frame of each run, ascending."""
 
 _MAX_FRAME: Final = 2**53
 _LONGEST_TEXT: Final = 4096
-"""Characters of a name or fingerprint."""
+"""Most characters of a name or fingerprint."""
 _SHOWN_NAME: Final = 40
 _SHOWN_DIGITS: Final = 12
-"""Of a name, and of a fingerprint."""
+"""Most characters shown of a name, and of a fingerprint."""
 _RANGE: Final = re.compile(r"(-?\d{1,15}):(-?\d{1,15})", re.ASCII)
 _EXPECTED: Final = "expected the record that nvcore detect writes (docs/detectors.md)"
 
 
 @dataclass(frozen=True)
 class TrainedOn:
-    """A recording, or a part of it, on which a detector was trained.
+    """Recording, or part of one, on which a detector was trained.
 
     Attributes
     ----------
     fingerprint
-        Of the ground truth in these frames, by which the recording is known under another name,
-        too; of crops and scenes sha256 of their bytes. Empty: not known.
+        Fingerprint of the ground truth in these frames, which identifies the recording even under
+        another name; for crops and scenes the sha256 of their bytes. Empty if unknown.
     recording
-        Name of the recording; empty: crops and scenes of no recording.
+        Name of the recording; empty for crops and scenes without a recording.
     first_frame, last_frame
-        The frames, both included; None: from its beginning, to its end.
+        First and last frame, both included; None: from the beginning, to the end.
     """
 
     fingerprint: str = ""
@@ -90,17 +90,17 @@ class About:
     kind
         Key in the registry: ``icf``, ``hog``, ``onnx``.
     name
-        Of the model, for people.
+        Name of the model, for people.
     labels
-        What it detects: ``("pedestrian",)``.
+        Classes that it detects: ``("pedestrian",)``.
     settings
         All settings that its boxes depend on, by name.
     fingerprint
         sha256 over model and settings, as hexadecimal digits: equal if and only if the boxes are.
     trained_on
-        What is known of its training; empty: nothing.
+        Known training data; empty if unknown.
     threshold
-        Score from which on a box counts unless the user says otherwise; None: all do.
+        Default score threshold; None: all boxes count.
     """
 
     kind: str = ""
@@ -121,9 +121,9 @@ class Provenance:
     about
         The detector.
     files
-        sha256 of each file with detections, by its name.
+        sha256 of each file with detections, by file name.
     frames
-        Frames that the detector was given, by recording; empty: not known.
+        Frames that the detector was given, by recording; empty if unknown.
     written_by
         Program and version.
     """
@@ -144,7 +144,7 @@ class Provenance:
         return f"made by {kind} ({name}, fingerprint {one_line(about.fingerprint[:_SHOWN_DIGITS])})"
 
     def renamed(self, recordings: Mapping[str, str]) -> Provenance:
-        """The same with other names of some recordings, by the old ones."""
+        """Return the same provenance with other names of recordings, by the old ones."""
         trained_on = tuple(
             replace(part, recording=recordings.get(part.recording, part.recording))
             for part in self.about.trained_on
@@ -154,7 +154,7 @@ class Provenance:
 
 
 def ranges_of(frames: NDArray[np.int64]) -> Ranges:
-    """Frame numbers, in any order, as runs of consecutive ones.
+    """Convert frame numbers, in any order, to runs of consecutive ones.
 
     Examples
     --------
@@ -207,17 +207,17 @@ def provenance_json(provenance: Provenance) -> bytes:
 
 
 def read_provenance(path: Path, name: str) -> Provenance:
-    """Read a record.
+    """Read a provenance record.
 
     Parameters
     ----------
     name
-        Of the file, as the user gave it.
+        Name of the file as the user gave it.
 
     Raises
     ------
     InputError
-        If it cannot be opened, or is no such record; it is never half believed.
+        If it cannot be opened or is not a valid record. Records are never used in part.
     """
     return read_record(path, name, _provenance, expected=_EXPECTED)
 

@@ -1,4 +1,4 @@
-"""How the files of each source were read, as far as another look at them needs it."""
+"""Interpretation of each source's files, for later looks at them."""
 
 from __future__ import annotations
 
@@ -7,21 +7,22 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
 MOST_NAMED: Final = 8
-"""Kinds of what is left out that a text names."""
+"""Most kinds of unused content that a text names."""
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Something in the files that a reading does not use.
+    """Content of the files that a reading does not use.
 
     Attributes
     ----------
     kind
-        ``class``: boxes of a class; ``box``: what is no box; ``picture``: files or pictures.
+        ``class``: boxes of a class; ``box``: content that is no box; ``picture``: files or
+        pictures.
     name
-        The class as the files call it; of others what they are ("polygon", "empty bbox").
+        Name of the class in the files, or description of the content ("polygon", "empty bbox").
     count
-        How many boxes, objects or pictures.
+        Number of boxes, objects or pictures.
     """
 
     kind: Literal["class", "box", "picture"]
@@ -31,20 +32,20 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class ReadAs:
-    """How a source was read.
+    """Interpretation of a source's files.
 
     Attributes
     ----------
     boxes
-        What the four numbers of a box were taken for (`nvcore.inputs.box_layouts`).
+        Meaning of the four numbers of a box (`nvcore.inputs.box_layouts`).
     has_score_beside
-        Whether the score may stand before the four numbers as well as behind them.
+        True if the score may come before the four numbers as well as after them.
     left_out
-        What of the files is not used, the most first.
+        Unused content of the files, the most frequent first.
     format
-        Name of the format, as it is given to a source; None: none that can be.
+        Name of the format as specified for a source; None if it cannot be specified.
     usual
-        Fields of a `nvcore.inputs.session.Source`, with what is taken where they are not given.
+        Default values of the fields of a `nvcore.inputs.session.Source`.
     """
 
     boxes: str = "sizes"
@@ -55,7 +56,7 @@ class ReadAs:
 
 
 def left_out_text(left_out: Iterable[LeftOut]) -> str:
-    """What is left out with its numbers, in words; empty for nothing.
+    """Describe the unused content with its numbers, or return "" for none.
 
     Examples
     --------

@@ -24,7 +24,7 @@ from nvcore.settings import MAX_FPS, MIN_FPS
 def frames_table(
     frames_by_recording: Sequence[np.ndarray], fps: Sequence[float] | np.ndarray
 ) -> pd.DataFrame:
-    """The frames table from each recording's listed frame numbers (sorted, unique)."""
+    """Create the frames table from each recording's listed frame numbers (sorted, unique)."""
     lengths = [len(frames) for frames in frames_by_recording]
     n_rows = sum(lengths)
     recording = np.repeat(np.arange(len(lengths)), lengths)
@@ -52,7 +52,7 @@ def dataset_from_tables(
     fingerprint: str | None = None,
     **other_fields: object,
 ) -> Dataset:
-    """A dataset from tables in memory.
+    """Create a dataset from tables in memory.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def dataset_from_tables(
         Listed frame numbers of each recording, sorted, unique.
     boxes
         frame_index, source and any of the other columns of `DATASET_BOX_DTYPES`, in any order;
-        the order within one frame and source is kept.
+        the order within a frame and source is kept.
     systems
         Names of the systems; source i + 1 is ``systems[i]``.
     fingerprint
@@ -116,7 +116,9 @@ def dataset_from_tables(
 
 
 def what_is_stated(recordings: pd.DataFrame) -> pd.DataFrame:
-    """The recordings as a fingerprint includes them: without what none of them has.
+    """Return the recordings for a fingerprint, without columns that are empty for all.
+
+    Data without these columns thus keep the fingerprint from before the columns existed.
 
     So data that state none of these keep the fingerprint of before there were such columns.
     """
@@ -130,12 +132,14 @@ def what_is_stated(recordings: pd.DataFrame) -> pd.DataFrame:
 
 
 def _frames_stated(frames: pd.DataFrame) -> pd.DataFrame:
-    """The frames as a fingerprint includes them: without speeds if no series states any."""
+    """Return the frames for a fingerprint, without speeds if no series states any."""
     return frames.drop(columns="speed_kmh") if frames["speed_kmh"].isna().all() else frames
 
 
 def _boxes_stated(boxes: pd.DataFrame) -> pd.DataFrame:
-    """The boxes as a fingerprint includes them: without labels and detectability if none has any.
+    """Return the boxes for a fingerprint, without labels and detectability if none has any.
+
+    See `what_is_stated`.
 
     As of `what_is_stated`.
     """
@@ -146,7 +150,7 @@ def _boxes_stated(boxes: pd.DataFrame) -> pd.DataFrame:
 
 
 def tables_fingerprint(tables: Iterable[pd.DataFrame], systems: Sequence[str]) -> str:
-    """sha256 over the values of tables and the names of the systems."""
+    """Compute sha256 over the values of tables and the names of the systems."""
     digest = hashlib.sha256("\n".join(systems).encode())
     for table in tables:
         for name in table:
