@@ -1,4 +1,4 @@
-"""Boxes of a result drawn on pictures: one frame, or a video."""
+"""Drawing of a result's boxes on pictures: one frame, or a video."""
 
 from nvcore.extras import needs
 

@@ -77,7 +77,7 @@ def annotate(
     Raises
     ------
     ParameterError
-        If `lo` and `hi` are no percentiles.
+        If `lo` and `hi` are not percentiles.
     """
     frames = result.dataset.frame_columns
     recording = frames.recording[row]
@@ -99,7 +99,7 @@ def inks_of(result: Result, shade: Shade) -> Inks:
 def frame_picture(
     pictures: PictureReader | None, index: int, lo: float, hi: float
 ) -> tuple[Picture | None, str]:
-    """Return the picture of an index in 8 bit, or None and why there is none."""
+    """Return the picture of an index in 8 bit, or None and the reason for having none."""
     if pictures is None or index < 0:
         return None, "no picture for this frame"
     try:
@@ -109,7 +109,7 @@ def frame_picture(
 
 
 class DrawnFrame(NamedTuple):
-    """Boxes of truth, X and Y to draw in a frame. None: the source is not drawn."""
+    """Boxes of truth, X and Y to draw in a frame, None for sources that are not drawn."""
 
     truth: DrawnTruth | None
     x: DrawnDetections | None
@@ -129,7 +129,7 @@ def drawn_boxes(
 
 
 def _drawn_truth(boxes: TruthBoxes, *, labels: bool) -> DrawnTruth:
-    # a loop over the boxes of one frame: they are drawn one by one
+    # a loop over the boxes of one frame, which are drawn one by one
     marks = [
         TruthMark(TruthState(state_x), TruthState(state_y), *flags)
         for state_x, state_y, *flags in zip(
@@ -187,7 +187,7 @@ def _caption(result: Result, row: int, width: int) -> NDArray[np.uint8]:
 def _wrap(
     parts: Sequence[tuple[str, Colour]], width: float, size: float
 ) -> list[list[tuple[str, Colour]]]:
-    """Fill lines with parts, and break a part that is too long for a line at its blanks."""
+    """Fill lines with parts, breaking parts that are too long for a line at their spaces."""
     lines: list[list[tuple[str, Colour]]] = [[]]
     gap, used = 40 * size, 0.0
     for text, colour in parts:

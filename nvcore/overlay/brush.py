@@ -17,7 +17,7 @@ from nvcore.palette import STYLES, TRUTH_COLOUR, X_COLOUR, Y_COLOUR, Scheme, rgb
 Colour = tuple[int, int, int]
 Canvas = NDArray[np.uint8]
 Dashes = tuple[int, ...]
-"""Lengths of dashes and gaps in px; empty: a solid line."""
+"""Lengths of dashes and gaps in px, empty for a solid line."""
 
 X_RGB: Final = rgb(X_COLOUR["dark"])
 Y_RGB: Final = rgb(Y_COLOUR["dark"])
@@ -27,7 +27,7 @@ BLANK_RGB: Final[Colour] = (16, 19, 24)
 
 @dataclass(frozen=True)
 class Inks:
-    """Colours of X, Y and the truth, the background of labels and of frames, lines of X and Y."""
+    """Colours of X, Y, the truth and the background of labels and frames, and dashes of X and Y."""
 
     x: Colour
     y: Colour
@@ -38,20 +38,20 @@ class Inks:
 
     @property
     def contrast(self) -> Colour:
-        """White on a dark ground, black on a light one."""
+        """White on a dark background, black on a light one."""
         return (255, 255, 255) if sum(self.ground) < 3 * 128 else (0, 0, 0)
 
 
 ON_DARK: Final = Inks(X_RGB, Y_RGB, TRUTH_RGB, BLANK_RGB)
-"""For pictures."""
+"""Inks for pictures."""
 ON_LIGHT: Final = Inks(
     rgb(X_COLOUR["light"]), rgb(Y_COLOUR["light"]), rgb(TRUTH_COLOUR["light"]), (244, 246, 248)
 )
-"""For paper: frames without picture."""
+"""Inks for paper (frames without a picture)."""
 
 
 def inks_for(scheme: Scheme) -> Inks:
-    """The inks of a scheme: ``dark`` for pictures, ``light`` for paper."""
+    """Return the inks of a scheme: ``dark`` for pictures, ``light`` for paper."""
     base = ON_LIGHT if scheme.shade == "light" else ON_DARK
     x, y = (scheme.style(letter) for letter in "xy")
     of_x, of_y = (rgb(style.colour(scheme.shade)) for style in (x, y))
@@ -74,7 +74,10 @@ class Brush:
     inks: Inks
 
     def corners(self, xywh: NDArray[np.float64]) -> list[Box]:
-        """First and last column and row on the canvas: left, top, right, bottom.
+        """Return the outermost pixels of boxes on the canvas: left, top, right, bottom.
+
+        They are whole pixels, so that thin lines are sharp. Coordinates far outside are clipped, so
+        that numbers stay small.
 
         Whole pixels, so that thin lines are sharp; far outside is cut, so that numbers stay small.
         """
@@ -85,7 +88,7 @@ class Brush:
         return [(row[0], row[1], row[2], row[3]) for row in np.round(clipped).tolist()]
 
     def rectangle(self, box: Box, colour: Colour, thickness: int, dash: float | None) -> None:
-        """The outline of a box; `dash` is the length of a dash in px, None for a solid line."""
+        """Draw the outline of a box with dashes of `dash` px, or a solid line if it is None."""
         left, top, right, bottom = box
         corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)]
         for start, end in pairwise(corners):
@@ -106,7 +109,7 @@ class Brush:
     def line(
         self, x0: float, y0: float, x1: float, y1: float, colour: Colour, thickness: int
     ) -> None:
-        """A straight line, px."""
+        """Draw a straight line, px."""
         start, end = (
             (round(a * (1 << _SHIFT)), round(b * (1 << _SHIFT))) for a, b in ((x0, y0), (x1, y1))
         )
@@ -114,7 +117,7 @@ class Brush:
         cv2.line(self.canvas, start, end, colour, thickness, kind, _SHIFT)
 
     def plate(self, box: Box) -> None:
-        """A background for a label, so that it can be read on any picture."""
+        """Draw the background of a label, so that it can be read on any picture."""
         left, top, right, bottom = (max(0, round(edge)) for edge in box)
         behind = self.canvas[top:bottom, left:right]
         behind[:] = np.round((1 - _PLATE) * behind + _PLATE * np.array(self.inks.ground))
@@ -123,19 +126,22 @@ class Brush:
 def put_text(
     canvas: Canvas, text: str, base: tuple[float, float], size: float, colour: Colour
 ) -> None:
-    """One line of text, its baseline starting at `base`; `?` for signs that the font lacks."""
+    """Draw one line of text with its baseline starting at `base`.
+
+    Characters that the font lacks become `?`.
+    """
     plain_text, place = drawable(text), (round(base[0]), round(base[1]))
     thickness = 2 if size > 0.75 else 1
     cv2.putText(canvas, plain_text, place, _FONT, size, colour, thickness, cv2.LINE_AA)
 
 
 def text_width(text: str, size: float) -> int:
-    """Width of a text, px."""
+    """Return the width of a text, px."""
     return int(cv2.getTextSize(drawable(text), _FONT, size, 2 if size > 0.75 else 1)[0][0])
 
 
 def drawable(text: str) -> str:
-    """The text in the signs that OpenCV's font has: without accents, others as `?`.
+    """Convert text to characters of OpenCV's font: without accents, others become `?`.
 
     Examples
     --------

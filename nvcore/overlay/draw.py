@@ -1,5 +1,10 @@
 """Boxes of one frame on its picture, to show at a glance which system misses whom.
 
+Truth is thin, X solid, Y dashed, each in its colour. A missed pedestrian has corners in the colour
+of the system that misses them (if both do, left is X and right is Y) and a tag above. The most
+salient one has a triangle there. False alarms are crossed out, ignore regions dotted. Labels avoid
+each other and missed pedestrians (`nvcore.overlay.labels`).
+
 Truth thin, X solid, Y dashed, each in its colour. A missed pedestrian has corners in the colour of
 the system that misses them (both: left X, right Y) and says so above; the most salient one has a
 triangle there. False alarms are crossed, ignore regions dotted. Labels keep off each other and off
@@ -26,7 +31,7 @@ _MAX_WIDTH: Final = 1920
 DASH_SHARE: Final = 7 / 6
 """Length of a dash on a picture, as a multiple of that in the viewer."""
 _TINT: Final = 0.6
-"""Share of its system's colour in the text of a label; the rest is contrast to the ground."""
+"""Share of the system's colour in the text of a label. The rest is contrast to the background."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +55,7 @@ class DrawnDetections:
 
 @dataclass(frozen=True)
 class TruthMark:
-    """What is shown of a truth box: who misses it, and how much that matters."""
+    """Display of a truth box: the systems that miss it, and its importance."""
 
     state_x: TruthState
     state_y: TruthState
@@ -89,7 +94,10 @@ class DrawnTruth:
 
 
 def canvas_size(width: float, height: float) -> tuple[int, int]:
-    """Size of the drawing: even numbers, small recordings enlarged by a whole factor, px."""
+    """Return the size of the drawing, px.
+
+    The numbers are even, and small recordings are enlarged by a whole factor.
+    """
     factor = max(1.0, float(int(np.ceil(_MIN_WIDTH / width)))) if width < _MIN_WIDTH else 1.0
     factor = min(factor, 8.0, _MAX_WIDTH / width)
     return max(2, round(width * factor / 2) * 2), max(2, round(height * factor / 2) * 2)
@@ -106,21 +114,21 @@ def draw_boxes(
     inks: Inks = ON_DARK,
     unit: int | None = None,
 ) -> Canvas:
-    """The picture with boxes; None: the boxes on a blank.
+    """Draw boxes on the picture, or on a blank canvas without one.
 
     Parameters
     ----------
     picture
-        8 bit (`nvcore.pictures.stretch`), of any size: it is scaled to the recording.
+        8-bit picture (`nvcore.pictures.stretch`) of any size. It is scaled to the recording.
     width, height
         The recording's size, px.
     truth, x, y
-        What to draw; None: not this source.
+        Boxes to draw; None for a source that is not drawn.
     inks
         The colours.
     unit
-        Thickness of thin lines, px of the canvas; labels are ten times as high. None: for a
-        canvas that is shown as wide as it is.
+        Thickness of thin lines, px of the canvas. Labels are ten times as high. None: suitable for
+        a canvas shown at its own size.
 
     Returns
     -------
@@ -154,7 +162,7 @@ def _background(picture: Picture | None, size: tuple[int, int], inks: Inks) -> C
 def _draw_detections(brush: Brush, boxes: DrawnDetections, colour: Colour, dashes: Dashes) -> None:
     unit = brush.unit
     dash = DASH_SHARE * dashes[0] * unit if dashes else None
-    # a loop over the boxes of one frame: drawing is done box by box
+    # a loop over the boxes of one frame, which are drawn one by one
     for number, box in enumerate(brush.corners(boxes.xywh)):
         brush.rectangle(box, colour, 2 * unit, dash)
         left, top, right, bottom = box
@@ -192,7 +200,7 @@ def _mark_miss(brush: Brush, box: Box, mark: TruthMark) -> None:
 def _draw_labels(
     brush: Brush, truth: DrawnTruth, x: DrawnDetections | None, y: DrawnDetections | None
 ) -> None:
-    """Tags of the missed pedestrians, the tallest first; then what else finds room."""
+    """Draw the tags of the missed pedestrians, tallest first, then labels that still fit."""
     boxes, inks = brush.corners(truth.xywh), brush.inks
     texts = truth.labels or [""] * len(boxes)
     gap = 5.0 * brush.unit
@@ -218,7 +226,7 @@ def _draw_labels(
 
 
 def _draw_tag(brush: Brush, room: LabelRoom, box: Box, mark: TruthMark, text: str) -> None:
-    """A filled field for each system that misses, and the label."""
+    """Draw a filled field for each system that misses the pedestrian, and the label."""
     unit, inks = brush.unit, brush.inks
     chips = [
         (letter, colour, is_salient)
@@ -245,7 +253,7 @@ def _draw_tag(brush: Brush, room: LabelRoom, box: Box, mark: TruthMark, text: st
 
 
 class _Side(NamedTuple):
-    """Where a label stands that has room: left or right of its box, at its top or bottom."""
+    """Side of its box at which a label is placed: left or right, top or bottom."""
 
     is_left: bool
     is_upper: bool
@@ -254,7 +262,7 @@ class _Side(NamedTuple):
 def _draw_label(
     brush: Brush, room: LabelRoom, text: str, box: Box, colour: Colour, side: _Side
 ) -> None:
-    """A text beside its box, or above or below it; left out where there is no room."""
+    """Draw a text beside, above or below its box, if it fits."""
     if not text:
         return
     unit = brush.unit
@@ -281,7 +289,7 @@ def _chip_width(is_salient: bool, unit: int) -> int:
 
 
 def _draw_chip(brush: Brush, place: Place, letter: str, colour: Colour, is_salient: bool) -> None:
-    """A filled field with the letter (most salient: and a triangle), its base line at `place`."""
+    """Draw a filled field with the letter, and a triangle if most salient, based at `place`."""
     canvas, unit, ground = brush.canvas, brush.unit, brush.inks.ground
     left_px, base_px = round(place[0]), round(place[1])
     upper_left = (left_px, base_px - 12 * unit)

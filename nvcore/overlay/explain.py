@@ -1,4 +1,4 @@
-"""What made the numbers of a frame, in words: each box, and the similarity of each system."""
+"""Explanation of a frame's numbers in words: each box, and the similarity of each system."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ from nvcore.wording import capitalised, number
 
 NOBODY: Final = -1
 MOST_BOXES: Final = 2000
-"""Boxes of a frame that are explained: each is compared with each."""
+"""Most boxes of a frame that are explained, since each is compared with each."""
 SMALL: Final = 0.0005
-"""Similarity of which less is lost than this is shown as 1.000."""
+"""Smallest loss of similarity worth mentioning; less is shown as a similarity of 1.000."""
 
 
 @dataclass(frozen=True)
 class BoxReason:
-    """What a box of a frame counts and costs, and why.
+    """Explanation of a box of a frame: its outcome, weight and cost.
 
     Attributes
     ----------
     title, lines
-        Who it is and what became of it; then a sentence each.
+        Name and outcome of the box, followed by one sentence per line.
     encounter, track
         Row of ``result.encounters`` and track (as in `nvcore.tables.boxes.states.TruthBoxes`) of
-        the pedestrian, or of the one that the detection matches; -1: nobody.
+        the pedestrian, or of the one that the detection matches; -1 if there is none.
     truth
-        Of a matched detection: which of these boxes is its pedestrian; -1: none.
+        For a matched detection, index of its pedestrian's box in the list; -1 if there is none.
     """
 
     title: str
@@ -49,12 +49,14 @@ class BoxReason:
 
 
 def explain_boxes(result: Result, row: int) -> list[BoxReason]:
-    """The boxes of a frame in the order of `gather_boxes`: truth, X, Y; no detections below.
+    """Explain the boxes of a frame in the order of `gather_boxes`: truth, X, Y.
+
+    Detections below the threshold are skipped.
 
     Parameters
     ----------
     row
-        Row of the frames table. Of a frame with more than `MOST_BOXES` boxes nothing is told.
+        Row of the frames table. Frames with more than `MOST_BOXES` boxes are not explained.
     """
     frame = _Frame(result, row)
     if frame.n_boxes > MOST_BOXES:
@@ -67,7 +69,7 @@ def explain_boxes(result: Result, row: int) -> list[BoxReason]:
 
 
 def explain_similarity(result: Result, row: int, letter: str) -> str:
-    """Why the similarity of X or Y in a frame is what it is.
+    """Explain the similarity of X or Y in a frame.
 
     Parameters
     ----------
@@ -102,7 +104,7 @@ def explain_similarity(result: Result, row: int, letter: str) -> str:
 
 
 class _Frame:
-    """The boxes of one frame with all that is told of them; arrays by box of the frame."""
+    """Boxes of one frame with all data for their explanation, as arrays by box."""
 
     def __init__(self, result: Result, row: int) -> None:
         dataset, frames = result.dataset, result.dataset.frame_columns
@@ -137,7 +139,7 @@ class _Frame:
 
     @cached_property
     def overlaps(self) -> dict[str, np.ndarray]:
-        """IoU of each truth box with each detection, by system; shape (n_truth, n_det)."""
+        """IoU of each truth box with each detection, by system, shape (n_truth, n_det)."""
         x, y, w, h = (values[:, np.newaxis] for values in self.truth.xywh)
         return {
             letter: iou_of_pairs((x, y, w, h), boxes.xywh) for letter, boxes in self.boxes.items()
@@ -156,7 +158,7 @@ class _Frame:
         return float(self.result.system(letter).nearest.truth[self.rows["truth"]][i])
 
     def loss(self, letter: str, i: int) -> float:
-        """What a pedestrian takes of the similarity, if nobody takes more."""
+        """Return the similarity that a pedestrian costs if no other one costs more."""
         return self.result.params.alpha * float(self.terms[letter][i]) / self.half_width
 
     def missed(self, letter: str) -> np.ndarray:
@@ -164,7 +166,7 @@ class _Frame:
         return is_missed
 
     def worst(self, letter: str) -> int:
-        """The pedestrian whose term is the largest."""
+        """Return the pedestrian with the largest term."""
         row = int(self.result.system(letter).distances.salient_row[self.row])
         return NOBODY if row < 0 else row - self.rows["truth"].start
 
@@ -194,7 +196,7 @@ def _pedestrian(frame: _Frame, i: int) -> BoxReason:
 
 
 def _what_system_did(frame: _Frame, letter: str, i: int) -> str:
-    """Matched by what, or missed beside what."""
+    """Describe the detection that matches the pedestrian, or why they are missed."""
     system, params, name = frame.result.system(letter), frame.result.params, letter.upper()
     overlaps, states = frame.overlaps[letter][i], frame.state[letter]
     match = int(system.matches.truth_det[frame.rows["truth"]][i])
@@ -224,7 +226,7 @@ def _what_system_did(frame: _Frame, letter: str, i: int) -> str:
 
 
 def _cost(frame: _Frame, letter: str, i: int) -> str:
-    """What this pedestrian takes of the frame's similarity, or would if another took less."""
+    """Describe the similarity that this pedestrian costs, or would cost if others cost less."""
     params, nearest = frame.result.params, frame.nearest(letter, i)
     loss, worst = frame.loss(letter, i), frame.worst(letter)
     if loss < SMALL:
@@ -246,7 +248,7 @@ def _cost(frame: _Frame, letter: str, i: int) -> str:
 
 
 def _mark(frame: _Frame, i: int) -> list[str]:
-    """Why the triangle stands on this pedestrian."""
+    """Explain the triangle on this pedestrian."""
     letters = [letter.upper() for letter in "xy" if frame.is_salient[letter][i]]
     if not letters:
         return []
@@ -258,7 +260,7 @@ def _mark(frame: _Frame, i: int) -> list[str]:
 
 
 def _failure(result: Result, letter: str, encounter: int) -> str:
-    """How the system did in the whole encounter."""
+    """Describe the system's performance in the whole encounter."""
     system, name = result.system(letter), letter.upper()
     kind = MissClass(system.encounters["miss_class"].iloc[encounter])
     text = result.objects.say(MISS_CLASS_TEXT[kind]).rstrip(".")

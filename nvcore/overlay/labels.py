@@ -1,4 +1,6 @@
-"""Where labels stand: inside the picture, off each other and off missed pedestrians.
+"""Placement of labels: inside the picture, apart from each other and from missed pedestrians.
+
+A label that does not fit is left out, unless it belongs to a missed pedestrian.
 
 A label that finds no room is left out, unless it is that of a missed pedestrian.
 """
@@ -17,7 +19,7 @@ FAR_LINES: Final = 5
 
 
 class LabelRoom:
-    """What is still free of a picture.
+    """Free space of a picture.
 
     Parameters
     ----------
@@ -33,14 +35,14 @@ class LabelRoom:
         self.taken: list[Box] = list(missed)
 
     def take(self, size: Place, places: Sequence[Place]) -> Box | None:
-        """The first of the places that is free, taken from now on; None where none is.
+        """Reserve the first of the places that is free, or return None if none is.
 
         Parameters
         ----------
         size
             Width and height of the label, px.
         places
-            Left and top that it may have, the best first.
+            Candidate positions (left, top), the best first.
         """
         for left, top in places:
             box = (left, top, left + size[0], top + size[1])
@@ -51,7 +53,7 @@ class LabelRoom:
         return None
 
     def must_take(self, size: Place, places: Sequence[Place]) -> Box:
-        """As `take`; where nothing is free, the place inside the picture that hides least."""
+        """Reserve a place like `take`, or else the place inside the picture that hides least."""
         moved = [self._inside(place, size) for place in places]
         best_place = self.take(size, moved)
         if best_place is None:
@@ -71,7 +73,7 @@ class LabelRoom:
 
 
 def overlap(box: Box, other: Box) -> float:
-    """Area that two boxes share, px².
+    """Return the area that two boxes share, px².
 
     Examples
     --------
@@ -86,7 +88,7 @@ def overlap(box: Box, other: Box) -> float:
 
 
 def tag_places(box: Box, size: Place) -> list[Place]:
-    """Where a tag of this size may stand at a box: above, below, beside, then further off."""
+    """Return the places for a tag at a box: above, below, beside, then further away."""
     left, top, right, bottom = box
     width, height = size
     near = [

@@ -22,7 +22,7 @@ from nvcore.progress import Progress, no_progress
 from nvcore.wording import one_line
 
 _CODEC: Final = "libvpx-vp9"
-"""Not libx264, whose licence is the GPL (docs/decisions/038)."""
+"""libx264 is not used because its licence is the GPL (docs/decisions/038)."""
 _OPTIONS: Final = {
     "crf": "33",
     "b": "0",  # quality alone decides
@@ -78,7 +78,7 @@ def write_video(
     Raises
     ------
     ParameterError
-        If `fps` is out of range, there are no frames, or `indices` has not one for each frame.
+        If `fps` is out of range, there are no frames, or the length of `indices` is wrong.
     MediaError
         If the file cannot be written.
     """
