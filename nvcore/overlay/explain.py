@@ -154,7 +154,7 @@ class _Frame:
         return bool(self.truth_state[letter][i] == TruthState.MATCHED)
 
     def nearest(self, letter: str, i: int) -> float:
-        """Distance of a pedestrian to the system's nearest detection, px; infinite: none."""
+        """Return a pedestrian's distance to the system's nearest detection, px, or infinity."""
         return float(self.result.system(letter).nearest.truth[self.rows["truth"]][i])
 
     def loss(self, letter: str, i: int) -> float:
@@ -196,7 +196,7 @@ def _pedestrian(frame: _Frame, i: int) -> BoxReason:
 
 
 def _what_system_did(frame: _Frame, letter: str, i: int) -> str:
-    """Describe the detection that matches the pedestrian, or why they are missed."""
+    """Describe the detection that matches the pedestrian, or those next to a missed one."""
     system, params, name = frame.result.system(letter), frame.result.params, letter.upper()
     overlaps, states = frame.overlaps[letter][i], frame.state[letter]
     match = int(system.matches.truth_det[frame.rows["truth"]][i])
