@@ -1,4 +1,4 @@
-"""What is wrong or suspicious in the inputs, found before anything is scored."""
+"""Audit of the inputs: errors and suspicious data, found before scoring."""
 
 from __future__ import annotations
 
@@ -66,14 +66,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Checks:
-    """What a subject adds to the parts of `audit`.
+    """Checks that a subject adds to the parts of `audit`.
 
     Attributes
     ----------
     inputs
-        To `audit_inputs`.
+        Checks added to `audit_inputs`.
     view
-        To `audit_view`.
+        Checks added to `audit_view`.
     """
 
     inputs: tuple[Callable[[Dataset], Iterable[Finding]], ...] = ()
@@ -87,9 +87,9 @@ def audit(
     x: str | None = None,
     y: str | None = None,
 ) -> tuple[Finding, ...]:
-    """Everything that is wrong or suspicious in the inputs, worst first.
+    """Find everything that is wrong or suspicious in the inputs, worst first.
 
-    All systems are checked; disagreement with the truth only for X and Y, with their
+    All systems are checked. Disagreement with the truth is only checked for X and Y, with their
     thresholds.
 
     Parameters
@@ -97,16 +97,15 @@ def audit(
     dataset
         Recordings, ground truth, systems.
     params
-        Settings; None: those that the dataset carries. Only thresholds, matching, proximity,
-        distance and the assumed speed matter here.
+        Settings; None: those of the dataset. Only thresholds, matching, proximity, distance and the
+        assumed speed matter here.
     x, y
-        Names of the compared systems; None: those that the dataset carries, else its first that is
-        not the other one.
+        Names of the compared systems; None: those of the dataset, or else the first other system.
 
     Returns
     -------
     findings
-        What readers and loader reported, and what was found here.
+        Findings of readers and loader, and of this audit.
 
     Raises
     ------
@@ -115,7 +114,7 @@ def audit(
 
     Notes
     -----
-    No truth gives an error finding, and so do no detections; neither raises.
+    Missing truth or detections give an error finding, not an exception.
 
     Examples
     --------
@@ -133,7 +132,9 @@ def audit(
 
 
 def ranked(dataset: Dataset, findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """All findings of the parts of `audit`, worst first, as the user accepts them.
+    """Sort the findings of all parts of `audit`, worst first, without those that the user accepts.
+
+    If an error about a system's frame numbers explains its unplaced rows, these are not reported.
 
     An error about a system's frame numbers explains that its rows have no place.
     """
@@ -151,7 +152,10 @@ def ranked(dataset: Dataset, findings: Iterable[Finding]) -> tuple[Finding, ...]
 
 
 def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
-    """The part of `audit` that depends on no setting: readers' findings, frames, boxes, scores."""
+    """Run the part of `audit` that depends on no setting.
+
+    It covers readers' findings, frames, boxes and scores.
+    """
     truth = truth_source(dataset)
     findings = [*audit_left_out(dataset)]
     findings += [*audit_truth_coverage(dataset), *_audit_boxes(truth), *audit_tracks(truth)]
@@ -171,12 +175,12 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
 
 
 def audit_system(dataset: Dataset, name: str, threshold: float | None) -> tuple[Finding, ...]:
-    """The part of `audit` that depends on one system's threshold: what it leaves, and how it fits.
+    """Run the part of `audit` that depends on one system's threshold: its effect, and the fit.
 
     Parameters
     ----------
     name
-        Of the system.
+        Name of the system.
     threshold
         Lowest score that counts; None: every detection counts.
     """
@@ -187,7 +191,7 @@ def audit_system(dataset: Dataset, name: str, threshold: float | None) -> tuple[
 def audit_pair(
     dataset: Dataset, params: Params, *, x: str | None = None, y: str | None = None
 ) -> tuple[Finding, ...]:
-    """The part of `audit` that depends on both systems, their matching and proximity."""
+    """Run the part of `audit` that depends on both systems, their matching and proximity."""
     names = _compared(dataset, x, y)
     findings = [*audit_encounter_lengths(dataset, params), *audit_borrowing(dataset, params)]
     systems = [system_source(dataset, name) for name in dict.fromkeys(names)]
@@ -202,7 +206,7 @@ def audit_pair(
     ]
     misread = audit_no_match(dataset, systems, counting, of_each, thresholds)
     findings += misread
-    is_blind = bool(misread)  # nothing is to be compared with what was matched
+    is_blind = bool(misread)  # nothing can be compared with the matches
     for system, matched in zip(systems, of_each, strict=True):
         findings += find_repeated(system, matched)
         findings += [] if is_blind else find_ignored(system, matched)
@@ -214,7 +218,7 @@ def audit_pair(
     findings += audit_weighting(truth_source(dataset), system_x, system_y, matches, params)
     misread += audit_truth_layout(dataset)
     misread += chain(*map(audit_transform, systems, thresholds))
-    # where boxes are misread, all would seem to be drawn elsewhere
+    # misread boxes would all seem to be drawn elsewhere
     is_misread = any(finding.severity is Severity.ERROR for finding in misread)
     if np.any(~dataset.truth.ignore) and not is_misread:
         for system, matched in zip((system_x, system_y), matches, strict=True):
@@ -225,7 +229,7 @@ def audit_pair(
 
 
 def audit_view(dataset: Dataset, params: Params) -> tuple[Finding, ...]:
-    """The part of `audit` about the drive as the camera saw it; at once, whatever setting moved."""
+    """Run the part of `audit` about the drive as seen by the camera, which is always fast."""
     findings = [*audit_foot_spread(dataset, params), *audit_closing_speed(dataset, params)]
     for checks in contributed("findings"):
         findings += chain(*(check(dataset, params) for check in checks.view))
@@ -236,7 +240,10 @@ def audit_view(dataset: Dataset, params: Params) -> tuple[Finding, ...]:
 def opened_pictures(
     dataset: Dataset,
 ) -> Iterator[tuple[RecordingPictures | None, tuple[Finding, ...]]]:
-    """Within it, the pictures that the dataset's session names are open; with the findings on them.
+    """Open the pictures that the dataset's session names, and yield them with the findings on them.
+
+    They are None if the session names none, or if the extra ``report`` is not installed, which is a
+    note.
 
     None are open if it names none, or the extra ``report`` is not installed, which is a note.
     """
@@ -262,7 +269,7 @@ def opened_pictures(
 
 
 def picture_findings(dataset: Dataset) -> tuple[Finding, ...]:
-    """What is wrong or in doubt of the pictures that the session names; they are opened for it."""
+    """Open the pictures that the session names, and return the findings on them."""
     with opened_pictures(dataset) as (_, findings):
         return findings
 
@@ -272,14 +279,14 @@ def _audit_boxes(source: BoxSource) -> list[Finding]:
 
 
 def threshold_of(system: str, names: Sequence[str | None], params: Params) -> float | None:
-    """Threshold of a system; that of X where one system is compared with itself."""
+    """Return the threshold of a system (that of X if a system is compared with itself)."""
     thresholds = (params.threshold_x, params.threshold_y)
     of_names = zip(names, thresholds, strict=False)
     return next((threshold for name, threshold in of_names if name == system), None)
 
 
 def _compared(dataset: Dataset, x: str | None, y: str | None) -> list[str]:
-    """Names of X and Y, as far as there are two."""
+    """Return the names of X and Y, fewer if there are not two systems."""
     names = [name for name in dataset.compared(x, y) if name is not None]
     for name in names:
         dataset.system(name)

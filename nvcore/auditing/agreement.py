@@ -1,4 +1,4 @@
-"""Findings where both systems agree with each other but not with the ground truth."""
+"""Findings on systems that agree with each other but not with the ground truth."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from nvcore.wording import count_text
 MIN_BOXES: Final = 20
 """Fewer boxes than this may be the same by chance."""
 LOOSE_IOU: Final = 0.25
-"""Overlap from which on a false alarm shows a pedestrian who counts as missed."""
+"""Least overlap of a false alarm with a missed pedestrian that it may be meant for."""
 LOOSE_SHARE: Final = 0.25
-"""Share of a system's false alarms on missed pedestrians from which on it is worth a look."""
+"""Least share of a system's false alarms on missed pedestrians that is worth a look."""
 SAME_IOU: Final = 1 - 1e-9
-"""IoU from which on two boxes are the same, but for rounding."""
+"""Least IoU of equal boxes, allowing for rounding."""
 SAME_SHARE: Final = 0.95
-"""Share of a system's boxes that are exactly the truth's from which on it is no chance."""
+"""Least share of a system's boxes equal to the truth's that cannot be chance."""
 
 
 def audit_same_as_truth(source: BoxSource) -> list[Finding]:
@@ -38,7 +38,7 @@ def audit_same_as_truth(source: BoxSource) -> list[Finding]:
     n_same, n = len(same), len(boxes)
     if n_same < MIN_BOXES:
         return []
-    # boxes that the system repeats say nothing of it
+    # repeated boxes of the system do not count
     n_different = n - len(repeated_rows(boxes))
     if n_same < SAME_SHARE * n_different:
         return []
@@ -69,8 +69,8 @@ def audit_same_systems(
     Parameters
     ----------
     counting
-        The detections of X and of Y that pass their thresholds: one file at two thresholds is a
-        comparison, too.
+        Detections of X and of Y that pass their thresholds, since one file may be compared at two
+        thresholds.
     """
     of_x, of_y = counting
     are_as_many = len(of_x) == len(of_y) >= MIN_BOXES
@@ -90,20 +90,20 @@ def audit_same_systems(
 AGREE_IOU: Final = 0.5
 """Smallest IoU of two detections that agree."""
 REPEATED_SHARE: Final = 0.5
-"""Share of the matched pedestrians with further boxes from which on suppression was left out."""
+"""Least share of matched pedestrians with further boxes that suggests missing suppression."""
 NEAR_IOU: Final = 0.1
 """Smallest IoU of an agreeing detection with the missed pedestrian that it may be meant for."""
 MANY_SHARE: Final = 0.05
-"""Share of the pedestrians from which on such cases are a warning, not a note."""
+"""Least share of the pedestrians for which such cases are a warning instead of a note."""
 NOT_OF_TRUTH: Final = "agreed-by-both-alone"
 HARDLY: Final = 0.1
 """Share of the pedestrians below which systems match hardly anybody ..."""
 LEAST_AGREED: Final = 5
-"""... and it is an error if they agree with one another on so many boxes at least ..."""
+"""... which is an error if they agree with each other on at least this number of boxes ..."""
 MOST_AGREED: Final = 0.5
-"""... on such a share of the false alarms of the one that has fewer ..."""
+"""... on this share of the false alarms of the system with fewer ..."""
 LEAST_OF_TRUTH: Final = 0.2
-"""... and on so many boxes for each pedestrian."""
+"""... and on this number of boxes per pedestrian."""
 MANY_BOXES: Final = 20
 """Fewer boxes than this stay a note."""
 
@@ -113,12 +113,12 @@ def find_disagreement(
 ) -> list[Finding]:
     """Report pedestrians that both systems place elsewhere, and false alarms that both share.
 
-    A detection of X and one of Y agree when their IoU is at least 0.5. Only pairs count
-    in which neither detection matches a pedestrian or lies on an ignore region. A pair that
-    overlaps a pedestrian whom neither system matched points to a badly drawn box; any other to a
-    pedestrian missing from the annotation, unless it lies on one whom another box matches. Where
-    both match hardly anybody, and agree with one another instead, it is an error: the truth is of
-    other frames or pictures.
+    A detection of X and one of Y agree if their IoU is at least 0.5. Only pairs count in which
+    neither detection matches a pedestrian or lies on an ignore region. A pair that overlaps a
+    pedestrian whom neither system matched indicates a badly drawn box. Any other pair indicates a
+    pedestrian missing from the annotation, unless it overlaps one who is matched by another box. It
+    is an error if both match hardly anybody but agree with each other, because the truth then
+    belongs to other frames or pictures.
     """
     truth = dataset.truth
     agreed = _paired(x.boxes, y.boxes, AGREE_IOU, *(of_one.is_false_alarm for of_one in matches))
@@ -182,6 +182,8 @@ def find_ignored(source: BoxSource, matches: Matches) -> list[Finding]:
 def find_loose(source: BoxSource, matches: Matches, params: Params) -> list[Finding]:
     """Report a system if many of its false alarms overlap missed pedestrians by too low an IoU.
 
+    This applies only to matching by IoU. Otherwise the shape of a box does not matter.
+
     Only where matching is by IoU: elsewhere the shape of a box does not decide.
     """
     if params.match != "iou":
@@ -194,7 +196,7 @@ def find_loose(source: BoxSource, matches: Matches, params: Params) -> list[Find
         (truth.x[g], truth.y[g], truth.w[g], truth.h[g]),
         (boxes.x[d], boxes.y[d], boxes.w[d], boxes.h[d]),
     )
-    loose = d[iou < params.iou]  # else their classes differ
+    loose = d[iou < params.iou]  # otherwise their classes differ
     if len(loose) < max(MIN_BOXES, LOOSE_SHARE * len(rows)):
         return []
     say = source.dataset.objects.say
@@ -228,7 +230,7 @@ def _paired(
     Parameters
     ----------
     in_x, in_y
-        Which boxes take part; None: all.
+        Boxes that take part, bool; None: all.
     """
     partner = np.full(len(x), -1, np.int64)
     over_ranges(

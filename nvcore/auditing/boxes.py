@@ -1,4 +1,4 @@
-"""Boxes outside the picture, repeated boxes, and track ids used twice."""
+"""Findings on boxes outside the picture, repeated boxes, and track ids used twice."""
 
 from __future__ import annotations
 
@@ -20,25 +20,25 @@ from nvcore.schema import NO_TRACK
 from nvcore.wording import count_text
 
 REUSE_S: Final = 5.0
-"""A pedestrian unseen for longer than this, in seconds, is unlikely to be the same person ..."""
+"""Time in seconds after which an unseen pedestrian is unlikely to be the same person ..."""
 REUSE_FRAMES: Final = 10
-"""... if unseen in more listed frames than this, too (annotation may be sampled)."""
+"""... if it also spans more listed frames than this (annotation may be sampled)."""
 MANY_OUTSIDE: Final = 0.1
-"""Share of boxes wholly or mostly outside the picture that points to a wrong picture size."""
+"""Least share of boxes wholly or mostly outside the picture that suggests a wrong picture size."""
 MOST_OUTSIDE: Final = 0.5
-"""Share of the truth's boxes from which on the picture size is wrong, or what the numbers are."""
+"""Least share of the truth's boxes outside that proves a wrong picture size or box layout."""
 FRACTION_EXTENT: Final = 1.5
 """Boxes whose edges all stay below this are fractions of the picture, not pixels."""
 THOUSAND: Final = 1000
 """Boxes outside the picture whose edges all stay below this may be in thousandths of it."""
 CROWDED: Final = 1000
-"""Boxes of a frame above which repeated ones are found by hashing: comparing pairs takes long."""
+"""Boxes of a frame above which repeats are found by hashing, because comparing pairs is slow."""
 HAIR_PX: Final = 1e-3
 """Narrower boxes may lose their width in rounding."""
 
 
 def audit_geometry(source: BoxSource) -> list[Finding]:
-    """Boxes wholly or mostly outside the picture, boxes in fractions of the picture."""
+    """Report boxes wholly or mostly outside the picture, and boxes in fractions of the picture."""
     boxes = source.boxes
     if not len(boxes):
         return []
@@ -68,7 +68,7 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
             is_of_all=True,
             steps=(Step(Remedy.BOXES, str(replace(was, unit="shares")), source.name),),
         )
-    # the boxes that may not lie inside; of the others all of the area does
+    # boxes that may not lie entirely inside; the others have their whole area inside
     rows = np.concatenate(suspects)
     x, y, w, h = boxes.x[rows], boxes.y[rows], boxes.w[rows], boxes.h[rows]
     recording = frames.recording[boxes.frame_index[rows]]
@@ -98,7 +98,7 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
 def _stray(
     source: BoxSource, outside: np.ndarray, mostly: np.ndarray, *, are_many: bool
 ) -> list[Finding]:
-    """Boxes wholly outside the picture, and those that are so mostly."""
+    """Report boxes wholly outside the picture, and boxes mostly outside."""
     steps = (Step(Remedy.SIZE),) if are_many else ()
     advice = source.dataset.objects.say(
         "Nothing to do if boxes of {people} at the picture's edge are drawn in full; their lateral "
@@ -129,7 +129,7 @@ def _stray(
 
 
 def audit_doubles(source: BoxSource) -> list[Finding]:
-    """The same box twice in one frame (of the truth, pedestrians only)."""
+    """Report equal boxes in one frame (only pedestrians in the truth)."""
     boxes = source.boxes
     takes_part = ~(boxes.ignore & source.is_truth)
     people = boxes if takes_part.all() else boxes.only(takes_part)
@@ -147,10 +147,10 @@ def audit_doubles(source: BoxSource) -> list[Finding]:
 
 
 def audit_tracks(source: BoxSource) -> list[Finding]:
-    """Track ids of the truth: twice in one frame, or used again after a long gap."""
+    """Report track ids of the truth that occur twice in a frame or again after a long gap."""
     boxes = source.boxes
     _, encounters = encounters_of(source.dataset)
-    # the boxes of each track by frame, without tracks that were made by linking
+    # boxes of each track by frame, without tracks created by linking
     rows = encounters.order
     has_track = boxes.track[rows] != NO_TRACK
     if not has_track.all():
@@ -178,7 +178,7 @@ def audit_tracks(source: BoxSource) -> list[Finding]:
 
 
 def _reused(source: BoxSource, rows: np.ndarray, code: np.ndarray) -> list[Finding]:
-    """Tracks that go on after a long gap, from their rows by track and frame."""
+    """Report tracks that go on after a long gap, from their rows by track and frame."""
     boxes, time_s = source.boxes, source.dataset.frames["time_s"].to_numpy()
     frame_of = boxes.frame_index[rows]
     again = 1 + np.flatnonzero(
@@ -187,7 +187,7 @@ def _reused(source: BoxSource, rows: np.ndarray, code: np.ndarray) -> list[Findi
     again = again[time_s[frame_of[again]] - time_s[frame_of[again - 1]] > REUSE_S]
 
     def longest_gap_s(at: int) -> float:
-        """Of the track's boxes from the one before, those to be ignored among them."""
+        """Return the longest gap since the track's previous box, including its ignored boxes."""
         between = slice(boxes.offsets[frame_of[at - 1]], boxes.offsets[frame_of[at] + 1])
         is_own = boxes.track[between] == boxes.track[rows[at]]
         return float(np.diff(time_s[boxes.frame_index[between][is_own]]).max())
@@ -214,7 +214,7 @@ def _reused(source: BoxSource, rows: np.ndarray, code: np.ndarray) -> list[Findi
 
 
 def repeated_rows(boxes: BoxColumns) -> np.ndarray:
-    """Return the rows of boxes that are the same as an earlier one of their frame."""
+    """Return the rows of boxes that are equal to an earlier one of their frame."""
     if np.diff(boxes.offsets).max(initial=0) > CROWDED:  # the kernel compares all pairs of a frame
         table = pd.DataFrame(dict(zip("fxywh", (boxes.frame_index, *boxes.xywh), strict=True)))
         return np.flatnonzero(table.duplicated())

@@ -1,4 +1,4 @@
-"""What a finding of the audit is about, and where its first case is in the files."""
+"""Subjects of findings, and the location of their first case in the files."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from nvcore.schema import TABLE_ENDING
 from nvcore.wording import count_text
 
 BLOCK: Final = 1 << 15
-"""Boxes that are looked at at a time."""
+"""Number of boxes processed at a time."""
 MOST_NAMES: Final = 3
-"""Names that a message spells out; of the others it says how many."""
+"""Most names that a message lists. It only counts the others."""
 
 
 @dataclass(frozen=True)
 class BoxSource:
-    """One source of boxes: the truth or a system.
+    """Source of boxes: the truth or a system.
 
     Attributes
     ----------
     dataset
-        The dataset that the boxes are from.
+        Dataset that contains the boxes.
     name
         ``truth`` or the system's name.
     is_truth
-        Whether it is the truth: a system may be called ``truth``, too.
+        True for the truth, since a system may be called ``truth``, too.
     boxes
-        Its boxes, px, sorted by frame.
+        Boxes, px, sorted by frame.
     """
 
     dataset: Dataset
@@ -45,12 +45,14 @@ class BoxSource:
 
     @property
     def starts(self) -> np.ndarray:
-        """First box of every recording, and the number of boxes; shape (n_recordings + 1,)."""
+        """First box of every recording, and the number of boxes, shape (n_recordings + 1,)."""
         starts: np.ndarray = self.boxes.offsets[self.dataset.frame_columns.first]
         return starts
 
     def blocks(self) -> Iterator[tuple[slice, slice]]:
-        """Boxes in blocks of whole recordings: their rows, and the recordings.
+        """Yield boxes in blocks of whole recordings: their rows, and the recordings.
+
+        Intermediate results of a block stay in the processor's cache.
 
         What is computed of a block on the way stays in the processor's memory.
         """
@@ -72,16 +74,16 @@ class BoxSource:
         is_of_all: bool = False,
         steps: tuple[Step, ...] = (),
     ) -> list[Finding]:
-        """A finding about some boxes, the first of which is the example; none without boxes.
+        """Return a finding about some boxes with the first as example, or none without boxes.
 
         Parameters
         ----------
         rows
             Rows of `boxes`.
         count
-            What to count; None: the rows.
+            Count of the finding; None: the number of rows.
         is_of_all
-            Whether it concerns the source as a whole: its boxes are then no cases to look at.
+            True if it concerns the source as a whole, so that single boxes are no cases to look at.
         """
         if not len(rows):
             return []
@@ -108,29 +110,33 @@ class BoxSource:
 
 
 def truth_source(dataset: Dataset) -> BoxSource:
-    """The ground truth."""
+    """Return the ground truth."""
     return BoxSource(dataset, TRUTH_NAME, True, dataset.truth)
 
 
 def system_source(dataset: Dataset, name: str) -> BoxSource:
-    """One system, by its name."""
+    """Return a system by its name."""
     return BoxSource(dataset, name, False, dataset.system(name))
 
 
 def all_sources(dataset: Dataset) -> list[BoxSource]:
-    """The ground truth and every system."""
+    """Return the ground truth and every system."""
     return [truth_source(dataset), *(system_source(dataset, name) for name in dataset.systems)]
 
 
 def file_name(dataset: Dataset, file: int, line: int) -> str:
-    """Name of an input file; empty for boxes that come from none (they have no line)."""
+    """Return the name of an input file, or "" for boxes without a file (they have no line)."""
     if line < 1 or not 0 <= file < len(dataset.inputs):
         return ""
     return str(dataset.inputs["file"].iloc[file])
 
 
 def place(recording: object, frame: int, *, line: int = 0, file: str = "") -> str:
-    """Where something is, such as ``line 17, recording A, frame 12``; JSON counts records.
+    """Describe a location, such as ``line 17, recording A, frame 12``.
+
+    JSON counts records. Rows of a table, in memory or in Parquet, are counted from 0.
+
+    Rows of a table, in memory or in Parquet, are counted from 0.
 
     Rows of a table, in memory or in Parquet, are counted from 0.
     """
@@ -142,7 +148,7 @@ def place(recording: object, frame: int, *, line: int = 0, file: str = "") -> st
 
 
 def place_of_frame(dataset: Dataset, frame_index: int, *, line: int = 0, file: str = "") -> str:
-    """`place` of a row of the frames table."""
+    """Describe the location (see `place`) of a row of the frames table."""
     frames = dataset.frame_columns
     name = dataset.recordings["name"].iloc[int(frames.recording[frame_index])]
     return place(name, int(frames.frame[frame_index]), line=line, file=file)
@@ -161,18 +167,18 @@ def recording_findings(
     frame_rows: np.ndarray | None = None,
     steps: tuple[Step, ...] = (),
 ) -> list[Finding]:
-    """A finding about some recordings, the first of which is the example; none without any.
+    """Return a finding about some recordings with the first as example, or none without any.
 
     Parameters
     ----------
     recordings
         Rows of the recordings table.
     what
-        What they have.
+        Text that completes "... recordings have".
     frame_index
-        Row of the frame that is the example; None: the recording.
+        Row of the frame used as example; None: the recording is the example.
     frame_rows
-        Row of the frame to look at in each of them; None: its first.
+        Row of the frame to look at in each recording; None: its first frame.
     """
     if not len(recordings):
         return []
@@ -199,12 +205,12 @@ def recording_findings(
 
 
 def spelled(names: Iterable[object]) -> str:
-    """The first few names; of the others how many."""
+    """List the first few names, and count the others."""
     every = [str(name) for name in names]
     names_text, more = ", ".join(every[:MOST_NAMES]), len(every) - MOST_NAMES
     return f"{names_text} and {more} more" if more > 0 else names_text
 
 
 def without_doubles(names: Iterable[object]) -> list[object]:
-    """The names in their order, each once."""
+    """Return the names in their order, each once."""
     return list(dict.fromkeys(names))

@@ -1,4 +1,4 @@
-"""Findings about closing speeds that differ from the speed assumed for time left."""
+"""Findings on closing speeds that differ from the speed assumed for time left."""
 
 from __future__ import annotations
 
@@ -16,19 +16,20 @@ from nvcore.schema import KMH, NO_TRACK
 from nvcore.wording import count_text
 
 MIN_BOXES: Final = 5
-"""Least distances of a pedestrian to measure a speed, as for the time to contact."""
+"""Fewest distances of a pedestrian for measuring a speed, as for the time to contact."""
 MIN_PEDESTRIANS: Final = 3
-"""The median over fewer says little of the car."""
+"""Fewest pedestrians whose median speed indicates the car's speed."""
 FACTOR: Final = 2.0
-"""Between two speeds that are far apart; pedestrians' own steps and the car's braking move the
+"""Least ratio of speeds that are far apart. Pedestrians' own steps and the car's braking change the
 median by less."""
 
 
 def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
     """Find recordings whose pedestrians approach much faster or slower than time left assumes.
 
-    Time to contact is measured in the recording; the time needed to stop and the speed of impact
-    are those of the stated or assumed speed. Where the two speeds differ, so do the two cars.
+    Time to contact is measured in the recording, while the time needed to stop and the speed of
+    impact use the stated or assumed speed. If the two speeds differ, these results describe
+    different cars.
     """
     closing_kmh = closing_speeds(dataset)
     frames = dataset.frame_columns
@@ -60,7 +61,7 @@ def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
                 "Last chances to stop and impact speeds are those of a car at the assumed or "
                 "stated speed; to get those of the car that made a recording, give its speed."
             ),
-            # one speed for all would be wrong for others
+            # one speed for all recordings would be wrong for others
             steps=(Step(Remedy.OPTION, "", "speed_kmh" if len(names) == 1 else "recordings"),),
             example=f"recording {names.iloc[odd[0]]}",
             cases=Cases("frames", dataset.frame_columns.first[odd]),
@@ -71,13 +72,16 @@ def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
 def closing_speeds(dataset: Dataset) -> np.ndarray:
     """Measure how fast the pedestrians of each recording approach, km/h. Cached in the dataset.
 
+    A pedestrian's speed is the slope of the least-squares line of distance over time. A recording's
+    speed is the median over pedestrians who come nearer.
+
     A pedestrian's speed is the slope of the least-squares line through distances over time, a
     recording's the median over those who come nearer at all.
 
     Returns
     -------
-    float64, shape (n_recordings,); NaN with fewer than `MIN_PEDESTRIANS`, and where time left is
-    unknown (not every frame is evaluated, or the tracks were linked by us).
+    float64, shape (n_recordings,); NaN with fewer than `MIN_PEDESTRIANS`, or if time left is
+    unknown (not every frame is evaluated, or we linked the tracks).
     """
     return dataset.kept("closing_speeds", _speeds_of)
 

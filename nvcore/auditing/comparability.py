@@ -1,4 +1,4 @@
-"""Whether X and Y are compared at like operating points when no threshold is given."""
+"""Findings on the comparability of X and Y, such as unlike operating points without thresholds."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ from nvcore.params import Params
 from nvcore.wording import capitalised, count_text, percent
 
 MIN_ENCOUNTERS: Final = 10
-"""Fewer near encounters than this say little."""
+"""Fewest near encounters for these findings."""
 RELEVANT: Final = 0.5
-"""Proximity weight from which on a pedestrian is near."""
+"""Least proximity weight of a near pedestrian."""
 
 
 def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
-    """Most near encounters are a single evaluated frame long.
+    """Report that most near encounters are a single evaluated frame long.
 
     Notes
     -----
-    Proximity by a horizon that is not known cannot be judged: nothing is reported.
+    Nothing is reported for proximity by an unknown horizon, which cannot be judged.
     """
     truth, frames = dataset.truth, dataset.frame_columns
     if params.proximity == "horizon" and params.horizon is None and np.isnan(frames.horizon).any():
@@ -74,7 +74,8 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
 
 
 SHARE_APART: Final = 0.5
-"""Difference of the shares without distance from which on two sources are weighted unlike."""
+"""Least difference of the shares without distance for which two sources are weighted differently.
+"""
 
 
 def audit_weighting(
@@ -84,16 +85,16 @@ def audit_weighting(
     matches: tuple[Matches, Matches],
     params: Params,
 ) -> list[Finding]:
-    """X, Y and truth weighted by different rules, because one of them lacks distances.
+    """Report X, Y and truth weighted by different rules because one of them lacks distances.
 
-    Only with proximity by distance. A box without a distance is weighted by its height, so that a
-    false alarm of one system may weigh more than the same one of the other. As in the scorecard
-    ignore regions do not count, nor what lies on them or is below the threshold.
+    This applies only to proximity by distance. A box without a distance is weighted by its height,
+    so a false alarm of one system may weigh more than the same one of the other. As in the
+    scorecard, ignore regions do not count, nor do detections on them or below the threshold.
 
     Parameters
     ----------
     matches
-        Of X and Y, with their thresholds.
+        Matches of X and Y, with their thresholds.
     """
     if params.proximity != "distance":
         return []
@@ -139,14 +140,14 @@ def audit_weighting(
 
 
 def _how_many(n: int, n_boxes: int) -> str:
-    """So many of the boxes have."""
+    """Return the beginning of a sentence about the share of boxes, ending in "have"."""
     if n == n_boxes:
         return "The only box that counts has" if n == 1 else f"All {n:,} boxes that count have"
     return f"{n:,} of {n_boxes:,} boxes that count ({percent(n / n_boxes)}) have"
 
 
 def _whose(source: BoxSource, rows: np.ndarray) -> str:
-    """The recordings that boxes are of, in words."""
+    """Describe the recordings that boxes belong to."""
     recordings = source.dataset.recordings["name"]
     whose = np.unique(source.dataset.frame_columns.recording[source.boxes.frame_index[rows]])
     names = recordings.iloc[whose]
@@ -157,15 +158,19 @@ def _whose(source: BoxSource, rows: np.ndarray) -> str:
 
 BY_HEIGHT: Final = Step(Remedy.OPTION, "height", "proximity")
 LARGE_SPREAD: Final = 0.25
-"""Difference of the distances that systems report of one pedestrian, as a share, that is odd."""
+"""Least relative difference of the distances that systems report of one pedestrian to be odd."""
 
 
 LARGE_REST: Final = 0.1
-"""Share of pedestrians' boxes that nobody's distance reaches from which on they are a warning."""
+"""Least share of pedestrians' boxes without any reported distance for a warning."""
 
 
 def audit_borrowing(dataset: Dataset, params: Params) -> list[Finding]:
-    """From whom pedestrians without a distance borrowed theirs, and how far the lenders differ.
+    """Report the lenders of pedestrians' missing distances, and how far the lenders differ.
+
+    It is a warning in three cases. Many pedestrians find no lender. Only one of several systems
+    lends: then misses before its first and after its last match weigh by height, its matches by
+    metres. Or lenders differ.
 
     A warning where many find no lender; where one of several systems lends alone (what it misses
     before its first match and after its last weighs by height, what it finds by metres); and where
@@ -198,7 +203,7 @@ def audit_borrowing(dataset: Dataset, params: Params) -> list[Finding]:
 def _advice_on_borrowing(
     dataset: Dataset, borrowed: Borrowed, rest: float
 ) -> tuple[str, tuple[Step, ...]]:
-    """What to do about what was borrowed; empty: nothing."""
+    """Return advice on borrowed distances, or "" if nothing needs to be done."""
     n_lenders = sum(n > 0 for n in borrowed.lent.values())
     if not n_lenders:
         return (
@@ -223,26 +228,26 @@ def _advice_on_borrowing(
 
 
 MIN_DETECTIONS: Final = 50
-"""The lowest of fewer scores says little."""
+"""Fewest detections whose lowest score is meaningful."""
 FLOOR_DIFFERENCE: Final = 0.05
-"""Difference of the lowest scores, both on a scale from 0 to 1, that is worth a warning."""
+"""Least difference of the lowest scores, both on a scale from 0 to 1, for a warning."""
 MAX_RATIO: Final = 3.0
-"""Ratio of the detections per frame that is worth a warning on any scale."""
+"""Ratio of the detections per frame for a warning on any scale."""
 
 
 def audit_operating_points(
     x: BoxSource, y: BoxSource, matches: tuple[Matches, Matches], params: Params
 ) -> list[Finding]:
-    """Scores that reach down to different values, or far more detections of one system.
+    """Report scores that reach down to different values, or far more detections of one system.
 
-    Only where both systems have scores and neither has a threshold, and where their numbers of
-    false alarms are as unequal as the verdict has it (`are_unequal_alarms`): otherwise they are at
-    like operating points, wherever the scores end.
+    This applies only if both systems have scores, neither has a threshold, and the verdict
+    considers their numbers of false alarms unequal (`are_unequal_alarms`). Otherwise they are at
+    similar operating points, wherever the scores end.
 
     Parameters
     ----------
     matches
-        Of X and Y, without thresholds.
+        Matches of X and Y, without thresholds.
     """
     scores = x.boxes.score, y.boxes.score
     if params.threshold_x is not None or params.threshold_y is not None:

@@ -1,4 +1,4 @@
-"""Whether recordings are independent: copies of one another, or pieces of one drive."""
+"""Findings on recordings that are not independent: copies, or pieces of one drive."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.wording import count_text, listed, percent
 
 MOST_NAMED: Final = 3
-"""Pairs or recordings that a message spells out."""
+"""Most pairs or recordings that a message lists."""
 _PIECE: Final = re.compile(
     r"(.+?)[ _.-]*(?:part|seq|clip|chunk|split|segment)?[ _.-]*\d{1,4}", re.IGNORECASE
 )
@@ -21,7 +21,7 @@ LEAST_PIECES: Final = 2
 
 
 def audit_copies(dataset: Dataset) -> Iterator[Finding]:
-    """Recordings that hold the same truth."""
+    """Report recordings with the same truth."""
     copies = open_copies(dataset)
     if not copies:
         return
@@ -50,7 +50,7 @@ def audit_copies(dataset: Dataset) -> Iterator[Finding]:
 
 
 def audit_pieces(dataset: Dataset) -> Iterator[Finding]:
-    """Recordings whose names look like pieces of one drive, and of which no unit is known."""
+    """Report recordings that look like pieces of one drive by name, if no unit is known."""
     names = dataset.recordings["name"].to_numpy()
     has_unit = dataset.recordings["unit"].to_numpy() != ""
     pieces: dict[str, list[str]] = defaultdict(list)
@@ -60,7 +60,7 @@ def audit_pieces(dataset: Dataset) -> Iterator[Finding]:
     drives = {stem: parts for stem, parts in pieces.items() if len(parts) >= LEAST_PIECES}
     n = sum(map(len, drives.values()))
     if not drives or (len(drives) == 1 and n == len(names)):
-        return  # a set that is numbered through says nothing of drives
+        return  # a consecutively numbered set says nothing about drives
     first = next(iter(drives.values()))
     yield Finding(
         Severity.NOTE,

@@ -1,4 +1,4 @@
-"""Frames and recordings without truth or detections that probably should have some."""
+"""Findings on frames and recordings without truth or detections that probably should have some."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from nvcore.inputs.evaluated_frames import nth
 
 PART_CODE: Final = "detections-in-part-of-recording"
 MIN_REGULAR: Final = 10
-"""Frames with boxes from which on a regular step between them is no chance."""
+"""Fewest frames with boxes for which a regular step between them is no chance."""
 MIN_SILENT: Final = 20
-"""Listed frames of silence at the beginning or end that are worth a look ..."""
+"""Fewest listed frames of silence at the beginning or end that are worth a look ..."""
 SILENT_SHARE: Final = 0.1
-"""... if they are this share of the recording, too."""
+"""... if they are also this share of the recording."""
 BUSY_SHARE: Final = 0.5
-"""A system that detects something in fewer of its frames is silent at times anyway."""
+"""Least share of frames with detections of a system for which silence is unusual."""
 
 
 def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
-    """No pedestrian at all, recordings without one, annotation sparser than the frame list."""
+    """Report missing pedestrians, recordings without any, and annotation sparser than frames."""
     truth, frames, objects = dataset.truth, dataset.frame_columns, dataset.objects
     counts = ~truth.ignore
     if not counts.any():
@@ -44,7 +44,7 @@ def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
             )
         ]
     has_truth = frames_with(truth, counts)
-    # a frame with an ignore region only has been annotated, too
+    # a frame with only an ignore region has been annotated, too
     steps = regular_steps(frames_with(truth), frames.first)
     return [
         *_about_recordings(
@@ -74,7 +74,7 @@ def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
 
 
 def audit_system_coverage(source: BoxSource) -> list[Finding]:
-    """Recordings and frames without detections of a system although there is truth."""
+    """Report recordings and frames without detections of a system although there is truth."""
     dataset, frames = source.dataset, source.dataset.frame_columns
     truth, objects = dataset.truth, dataset.objects
     has_truth, has_box = frames_with(truth, ~truth.ignore), frames_with(source.boxes)
@@ -122,7 +122,10 @@ def audit_system_coverage(source: BoxSource) -> list[Finding]:
 
 
 def _silent_ends(source: BoxSource, has_box: np.ndarray) -> list[Finding]:
-    """Long silence before the first or after the last detection of a recording.
+    """Report long silence before the first or after the last detection of a recording.
+
+    Only pedestrians as tall as the system's usual detection count, because others may just be too
+    far away.
 
     Pedestrians that are merely too far away do not count: only those as tall as the system's
     usual detection.
@@ -173,7 +176,7 @@ def _silent_ends(source: BoxSource, has_box: np.ndarray) -> list[Finding]:
 
 
 def frames_with(boxes: BoxColumns, is_member: np.ndarray | None = None) -> np.ndarray:
-    """Whether each frame has a box, or one that is a member; bool, shape (n_frames,)."""
+    """Return whether each frame has a box, or one that is a member, bool, shape (n_frames,)."""
     if is_member is None or is_member.all():
         has: np.ndarray = np.diff(boxes.offsets) > 0
     else:
@@ -183,7 +186,9 @@ def frames_with(boxes: BoxColumns, is_member: np.ndarray | None = None) -> np.nd
 
 
 def regular_steps(has: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Per recording n, if only every n-th listed frame is true; 1 where irregular or too few.
+    """Return n for each recording if only every n-th listed frame is true, else 1.
+
+    It is also 1 if there are too few such frames.
 
     Parameters
     ----------
@@ -199,7 +204,7 @@ def regular_steps(has: np.ndarray, first: np.ndarray) -> np.ndarray:
     if not enough.any():
         return steps
     gaps = np.diff(boxed_frames)
-    # the gap between two recordings is meaningless: it must not change the divisor
+    # ignore the gap between two recordings, which must not change the divisor
     gaps[lo[1:][(lo[1:] > 0) & (lo[1:] < len(boxed_frames))] - 1] = 0
     edges = np.column_stack([lo[enough], hi[enough]]).ravel()
     steps[enough] = np.gcd.reduceat(np.append(gaps, [0, 0]), edges)[::2]
@@ -213,7 +218,7 @@ def _any_per_recording(has: np.ndarray, first: np.ndarray) -> np.ndarray:
 
 
 def _first_step(steps: np.ndarray, is_sparse: np.ndarray) -> str:
-    """The step of the first recording that is sparse, as an ordinal."""
+    """Return the step of the first sparse recording as an ordinal."""
     return nth(steps[np.argmax(is_sparse)])
 
 
@@ -227,7 +232,7 @@ def _about_recordings(
     advice: str,
     steps: tuple[Step, ...] = (),
 ) -> list[Finding]:
-    """As `recording_findings`; the example is the first frame, if there is one."""
+    """Call `recording_findings` with the first frame, if there is one, as example."""
     first_frames = dataset.frame_columns.first
     frame_index = None
     if len(recordings) and first_frames[recordings[0]] < first_frames[recordings[0] + 1]:

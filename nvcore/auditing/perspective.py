@@ -1,4 +1,4 @@
-"""Whether pedestrians stand as before a camera in a car, where the sideways position tells most."""
+"""Findings on a camera view unlike that of a car, for which the lateral position tells most."""
 
 from __future__ import annotations
 
@@ -15,14 +15,17 @@ from nvcore.wording import percent
 
 MIN_BOXES: Final = 100
 MIN_PEDESTRIANS: Final = 5
-"""Fewer boxes, or boxes of fewer people, may well stand anywhere."""
+"""Boxes of fewer pedestrians, or fewer boxes, may be anywhere by chance."""
 LARGEST_SPREAD: Final = 0.42
-"""Of foot rows, as a share of that of lateral positions (standard deviations). In 30 recordings
-from cars it is 0.10 to 0.40, before a camera that looks down on a square (PETS09-S2L1) 0.45."""
+"""Largest standard deviation of foot rows as a share of that of lateral positions. It is 0.10 to
+0.40 in 30 recordings from cars, and 0.45 for a camera that looks down on a square (PETS09-S2L1)."""
 
 
 def audit_foot_spread(dataset: Dataset, params: Params) -> list[Finding]:
-    """Recordings whose pedestrians spread over more rows than before a camera in a car.
+    """Report recordings whose pedestrians spread over more rows than in front of a car's camera.
+
+    The lateral distance, which is the default, takes people above each other in the picture for
+    people in the same place.
 
     The lateral distance, which is the default, takes people above each other in the picture for
     people in the same place.
@@ -50,12 +53,14 @@ def audit_foot_spread(dataset: Dataset, params: Params) -> list[Finding]:
 
 
 def foot_spread(dataset: Dataset) -> np.ndarray:
-    """Standard deviation of pedestrians' foot rows over that of their lateral positions; kept.
+    """Return the ratio of standard deviations of pedestrians' foot rows and lateral positions.
+
+    Cached in the dataset.
 
     Returns
     -------
     float64, shape (n_recordings,); NaN with fewer than `MIN_BOXES` boxes or `MIN_PEDESTRIANS`, or
-    without any spread sideways.
+    without any lateral spread.
     """
     return dataset.kept("foot_spread", _spread_of)
 

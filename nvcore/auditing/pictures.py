@@ -1,4 +1,7 @@
-"""Which picture shows which frame: what of that is wrong, in doubt, or good to know.
+"""Findings on the assignment of pictures to frames.
+
+No measure depends on pictures. The codes begin with `nvcore.findings.OF_PICTURES`. The import needs
+the extra ``report``.
 
 No measure depends on pictures. Their codes begin with `nvcore.findings.OF_PICTURES`. The import
 needs the extra ``report``.
@@ -33,7 +36,7 @@ from nvcore.wording import capitalised, count_text, one_line
 
 _MOST_STEPS: Final = 4
 _MOST: Final = 0.5
-"""Share of a recording's frames without a picture from which on that is an error."""
+"""Share of a recording's frames without a picture that makes it an error."""
 _NO_NUMBERS: Final = "No measure depends on pictures."
 _LOOK: Final = "Look at a frame with quick movement, whether boxes and {many} lie together."
 
@@ -55,7 +58,7 @@ _ADVICE: Final = {
 
 @dataclass(frozen=True)
 class _Case:
-    """What is to be said of the pictures of one recording."""
+    """Case of a finding on the pictures of one recording."""
 
     severity: Severity
     kind: str
@@ -68,7 +71,9 @@ class _Case:
 
 
 def audit_pictures(dataset: Dataset, opened: RecordingPictures) -> tuple[Finding, ...]:
-    """Findings on the pictures of all recordings, worst first; nothing is decoded.
+    """Return the findings on the pictures of all recordings, worst first, without decoding any.
+
+    Several recordings with the same problem are one finding.
 
     Several recordings with the same trouble are one finding.
     """
@@ -116,7 +121,7 @@ def _cases(dataset: Dataset, opened: RecordingPictures) -> Iterator[_Case]:
                 )
         elif number in opened.notes:
             path = entries[name].pictures if name in entries else None
-            # those that are not there are a finding of the inputs
+            # missing ones are a finding of the inputs
             if path is None or not isinstance(session, Session) or not is_missing(session, path):
                 yield _Case(
                     Severity.ERROR,
@@ -132,7 +137,7 @@ def _cases(dataset: Dataset, opened: RecordingPictures) -> Iterator[_Case]:
 def _of_frames(
     dataset: Dataset, opened: RecordingPictures, number: int, name: str
 ) -> Iterator[_Case]:
-    """What is to be said of the pictures that the frames of one recording have."""
+    """Yield the cases about the pictures for the frames of one recording."""
     frames, source = dataset.frame_columns, opened.sources[number]
     listed_frames = frames.frame[frames.rows_of(number)]
     mapped, file = opened.frame_maps.get(number), source.name

@@ -1,4 +1,4 @@
-"""Image sizes, frame rates and frame lists that do not fit the boxes."""
+"""Findings on image sizes, frame rates and frame lists that do not fit the boxes."""
 
 from __future__ import annotations
 
@@ -14,39 +14,39 @@ from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.inputs.proposals import KITTI_SIZES
 
 MIN_BOXES: Final = 200
-"""Fewer boxes than this may well leave most of the picture empty."""
+"""Fewest boxes that should reach most of the picture."""
 REACHED_SHARE: Final = 0.6
-"""Boxes that end before this share of both width and height are of a smaller picture."""
+"""Share of width and height below which boxes seem to belong to a smaller picture."""
 EDGE_SLACK: Final = 1.03
-"""Boxes at the edge reach beyond the picture by a little: by this factor at most."""
+"""Largest factor by which boxes at the edge reach beyond the picture."""
 KITTI_SLACK_PX: Final = 1.5
-"""Right edges as near as this to one another are the same."""
+"""Largest difference of right edges that count as equal."""
 MIN_AT_EDGE: Final = 5
-"""Boxes that have to end there before it is taken for the edge of the picture."""
+"""Fewest boxes ending at a position that is taken for the edge of the picture."""
 FPS_RANGE: Final = (0.1, 240.0)
-"""Frame rates outside of this range are mistakes rather than cameras."""
+"""Plausible frame rates. Others are mistakes."""
 MIN_STEPS: Final = 10
-"""Steps between frames from which on their evenness is no chance."""
+"""Fewest steps between frames whose evenness is no chance."""
 LIKE_TIMES: Final = "frame-numbers-like-times"
 SAME_PERIOD: Final = 0.03
-"""Difference up to which a step is the time from frame to frame, as a share."""
+"""Largest relative difference between a step and the time from frame to frame."""
 LEAST_STEP: Final = 10
-"""Usual step from which on numbers may be times: milliseconds at 100 Hz."""
+"""Least usual step for which numbers may be times: milliseconds at 100 Hz."""
 STEP_JITTER: Final = 0.1
-"""How far a step may be from the usual one, as a share, and still be near it ..."""
+"""Largest relative difference between a step and the usual one that counts as near ..."""
 NEAR_SHARE: Final = 0.9
-"""... which this share of the steps has to be."""
+"""... which must apply to this share of the steps."""
 MIN_EMPTY: Final = 20
-"""Listed frames without any box, at the beginning or end, that are worth a look ..."""
+"""Fewest listed frames without any box, at the beginning or end, that are worth a look ..."""
 EMPTY_SHARE: Final = 0.25
-"""... if they are this share of the recording, too."""
+"""... if they are also this share of the recording."""
 
 
 def audit_size(dataset: Dataset) -> list[Finding]:
-    """A picture size that is far larger than what any box reaches.
+    """Report a picture size that is far larger than the extent of all boxes.
 
-    Boxes of the truth and of all systems count; recordings of the same size are checked together,
-    so that a recording whose people keep to one corner is no finding.
+    Boxes of the truth and of all systems count. Recordings of the same size are checked together,
+    so that a recording whose people keep to one corner is not reported.
     """
     frames = dataset.frame_columns
     sizes, size_of = np.unique(
@@ -62,9 +62,9 @@ def audit_size(dataset: Dataset) -> list[Finding]:
             np.add.at(n_boxes, group, np.diff(starts)[has_box])
             right, bottom = boxes.x[rows] + boxes.w[rows], boxes.y[rows] + boxes.h[rows]
             for axis, ends in enumerate((right, bottom)):
-                furthest = np.maximum.reduceat(ends, first - rows.start)  # none is empty
+                furthest = np.maximum.reduceat(ends, first - rows.start)  # no segment is empty
                 np.maximum.at(reach[:, axis], group, furthest)
-    # coordinates in fractions of the picture have a finding of their own
+    # coordinates in fractions of the picture have a separate finding
     is_odd = (n_boxes >= MIN_BOXES) & (reach <= REACHED_SHARE * sizes).all(axis=1)
     is_odd &= reach.max(axis=1) > 2
     findings = []
@@ -93,10 +93,10 @@ def audit_size(dataset: Dataset) -> list[Finding]:
 
 
 def audit_kitti_size(dataset: Dataset) -> list[Finding]:
-    """Recordings of KITTI given another size than that at whose right edge its boxes end.
+    """Report recordings of KITTI whose given size differs from that at which boxes end.
 
-    KITTI's files hold no size, its recordings differ, and boxes of the truth are cut off at the
-    edge of the picture.
+    KITTI's files hold no size, its recordings differ in size, and boxes of the truth are cut off at
+    the right edge of the picture.
     """
     inputs = dataset.inputs
     formats = inputs["format"][inputs["subject"] == TRUTH_NAME] if "format" in inputs else ()
@@ -125,7 +125,7 @@ def audit_kitti_size(dataset: Dataset) -> list[Finding]:
 
 
 def kitti_sizes(recording: np.ndarray, right: np.ndarray, n_recordings: int) -> np.ndarray:
-    """Size of each recording of KITTI at whose right edge boxes of the truth end, px; 0: unknown.
+    """Return the KITTI picture size at whose right edge each recording's boxes end, px, 0 unknown.
 
     Parameters
     ----------
@@ -147,9 +147,9 @@ def kitti_sizes(recording: np.ndarray, right: np.ndarray, n_recordings: int) -> 
 
 
 def _fitting(reach: np.ndarray, size: np.ndarray) -> str:
-    """A likely size that holds all boxes, in words; empty if there is none."""
+    """Return a likely size that holds all boxes, as text, or "" if there is none."""
     right, bottom = reach / EDGE_SLACK
-    # sizes that are wrong by a factor keep their aspect: those first
+    # sizes that are wrong by a factor keep their aspect ratio, so try those first
     parts = [(int(size[0] // n), int(size[1] // n)) for n in (4, 3, 2)]
     usual = sorted(SIZES, key=lambda usual_size: usual_size[0] * usual_size[1])
     for width, height in (*parts, *usual):  # a loop over a few sizes
@@ -159,7 +159,7 @@ def _fitting(reach: np.ndarray, size: np.ndarray) -> str:
 
 
 def audit_fps(dataset: Dataset) -> list[Finding]:
-    """Frame rates that no camera has."""
+    """Report frame rates that no camera has."""
     fps = dataset.frame_columns.fps
     odd = np.flatnonzero((fps < FPS_RANGE[0]) | (fps > FPS_RANGE[1]))
     if not len(odd):
@@ -178,11 +178,11 @@ def audit_fps(dataset: Dataset) -> list[Finding]:
 
 
 def audit_frame_steps(dataset: Dataset) -> list[Finding]:
-    """Frame numbers that rise as times do.
+    """Report frame numbers that rise like times.
 
-    In nearly, not quite, even steps (0, 33, 67, 100), or in steps of as many milliseconds, micro-
-    or nanoseconds as the frame rate has between two frames: then it is an error. Looked at are the
-    frames that are listed, and those with pedestrians, as the list may have been made from these.
+    They rise in almost even steps (0, 33, 67, 100). It is an error if the steps equal the time
+    between two frames in milliseconds, microseconds or nanoseconds. Both the listed frames and the
+    frames with pedestrians are checked, as the list may have been made from the latter.
     """
     frames = dataset.frame_columns
     fps = dataset.recordings["fps"].to_numpy()
@@ -223,12 +223,12 @@ def audit_frame_steps(dataset: Dataset) -> list[Finding]:
 
 
 def audit_frame_list(dataset: Dataset) -> list[Finding]:
-    """Frames before the first or after the last box of anybody: of truth and all systems."""
+    """Report frames before the first or after the last box of truth and all systems."""
     frames = dataset.frame_columns
     start, stop = frames.first[:-1], frames.first[1:]
     boxed_frames = np.flatnonzero(sum(np.diff(source.offsets) for source in dataset.sources))
     lo, hi = np.searchsorted(boxed_frames, start), np.searchsorted(boxed_frames, stop)
-    # recordings without any box have a finding of their own
+    # recordings without any box have a separate finding
     annotated = np.flatnonzero(hi > lo)
     first, last = boxed_frames[lo[annotated]], boxed_frames[hi[annotated] - 1]
     least = np.maximum(MIN_EMPTY, EMPTY_SHARE * (stop - start)[annotated])

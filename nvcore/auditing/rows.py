@@ -1,4 +1,4 @@
-"""Rows of the inputs that could not be placed: what was wrong with them, and how bad that is."""
+"""Findings on rows of the inputs that could not be used: the reason, and its severity."""
 
 from __future__ import annotations
 
@@ -25,7 +25,10 @@ HARDLY: Final = 0.1
 
 
 def audit_left_out(dataset: Dataset) -> list[Finding]:
-    """Findings on `Dataset.left_out`, one by subject and kind.
+    """Return the findings on `Dataset.left_out`, one by subject and kind.
+
+    A system that ran on every frame of a sampled recording is not at fault, so its rows between
+    listed frames only give a note.
 
     A system that ran on every frame of a sampled recording is no fault: its rows between listed
     frames give a note.
@@ -144,7 +147,9 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
 
 
 def _left_out_by_choice(dataset: Dataset, subject: str, rows: pd.DataFrame) -> np.ndarray:
-    """Rows in frames that the recording has, but that were not given; bool, shape (n,).
+    """Return which rows are in frames that exist but were not selected, bool, shape (n,).
+
+    A frame is known to exist from the truth or from the record of the detector's run.
 
     That it has them is known by the truth, or by the record of the detector's run.
     """
@@ -165,7 +170,10 @@ def _left_out_by_choice(dataset: Dataset, subject: str, rows: pd.DataFrame) -> n
 
 
 def _is_of_truth(dataset: Dataset, number: int, frame: np.ndarray) -> np.ndarray:
-    """Frames from the first to the last with a box of the truth, evaluated or not; bool, (n,).
+    """Return which frames lie between the first and last truth box, evaluated or not, (n,).
+
+    None do if the evaluated frames begin and end one frame off the truth, as if counted
+    differently.
 
     None where the evaluated frames begin and end as far beside these as if counted otherwise.
     """
@@ -211,7 +219,7 @@ def _advice(
 def listed_ranges(
     dataset: Dataset, names: pd.Series[str]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """First and last listed frame of each row's recording, and whether that is sampled."""
+    """Return first and last listed frame of each row's recording, and whether it is sampled."""
     frames = dataset.frame_columns
     assert len(frames), "rows are only left out of recordings that have frames"
     start, stop = frames.first[:-1], frames.first[1:] - 1
@@ -228,7 +236,7 @@ def _nothing_left(dataset: Dataset, subject: str) -> bool:
 
 
 def _hardly_anything_left(dataset: Dataset, subject: str, n_lost: int) -> bool:
-    """Whether a system keeps a tenth of its rows, in a tenth of the frames with pedestrians."""
+    """Whether a system keeps less than a tenth of its rows and of the frames with pedestrians."""
     if subject not in dataset.systems:
         return False
     system = dataset.system(subject)
@@ -249,7 +257,7 @@ def _finding(
     *,
     has_cases: bool = True,
 ) -> list[Finding]:
-    """A finding about rows, the first of which is the example; none without rows."""
+    """Return a finding about rows with the first as example, or none without rows."""
     if rows.empty:
         return []
     first = rows.iloc[0]
@@ -269,7 +277,7 @@ def _finding(
             steps=steps,
             file=name,
             example=place(first["recording"], int(first["frame"]), line=line, file=name),
-            # usual rows may be most of the input: nobody looks them up one by one
+            # rows between listed frames may be most of the input, and nobody looks at each of them
             cases=Cases("left_out", rows.index.to_numpy()) if has_cases else None,
         )
     ]

@@ -1,4 +1,4 @@
-"""Scores of a system: missing, all the same, on an unusual scale; and what its threshold does."""
+"""Findings on a system's scores (missing, constant, on an unusual scale) and threshold."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from nvcore.wording import count_text, percent
 
 
 def audit_scores(source: BoxSource) -> list[Finding]:
-    """Missing, constant and unusual scores of a system."""
+    """Report missing, constant and unusual scores of a system."""
     score = source.boxes.score
     if not len(score):
         return []
@@ -29,7 +29,7 @@ def audit_scores(source: BoxSource) -> list[Finding]:
     without = np.flatnonzero(is_missing)
     is_constant = low == high and len(score) - len(without) > 1
     record = source.dataset.provenance.get(source.name)
-    has_own_scale = record is not None and bool(record.about.kind)  # of a detector run here
+    has_own_scale = record is not None and bool(record.about.kind)  # detector that ran here
     is_unusual = (low < 0 or high > 1) and not has_own_scale
     return [
         *source.findings(
@@ -61,7 +61,7 @@ def audit_scores(source: BoxSource) -> list[Finding]:
 
 
 def audit_threshold(source: BoxSource, threshold: float | None) -> list[Finding]:
-    """A threshold that keeps nothing, keeps everything, or has no scores to work on."""
+    """Report a threshold that keeps nothing, keeps everything, or has no scores to work on."""
     score = source.boxes.score
     if threshold is None or not len(score):
         return []

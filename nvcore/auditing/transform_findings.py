@@ -41,29 +41,30 @@ ADVICE: Final = {
     "pixel-offset": "Check the picture's origin and cropping, or move the boxes as they are read.",
 }
 EXPLAINED: Final = (PART_CODE, "frame-not-listed", "no-detections")
-"""Codes of findings that say nothing more beside an error about a system's frame numbers."""
+"""Codes of findings that add nothing to an error about a system's frame numbers."""
 WRONG_GAIN: Final = 2
-"""Times the pedestrians with a box that fits from which on a transform is an error ..."""
+"""Factor in the number of fitting pedestrians by which a transform is an error ..."""
 WRONG_SHARE: Final = 0.4
-"""... if this share of the boxes then fits: without it half of the overlap is lost and more."""
+"""... if this share of the boxes then fits, so that half of the overlap or more is lost without it.
+"""
 UNCLEAR: Final = 0.05
-"""Differences that do not tell whether truth or systems were misread."""
+"""Largest difference for which it is unclear whether truth or systems were misread."""
 NO_MATCH: Final = "no-match"
 MIN_MATCHABLE: Final = 5
-"""Fewer pedestrians may be missed by anybody."""
+"""Fewest pedestrians for this finding. Fewer may be missed by any system."""
 MOST_FRAMES: Final = 0.5
-"""Share of the frames with pedestrians in which a system that matches nobody detects something."""
+"""Share of the frames with pedestrians in which a system without matches must have detections."""
 MIN_CORNERS: Final = 20
-"""Fewer boxes may look like corners by chance ..."""
+"""Fewest boxes for this finding. Fewer may look like corners by chance ..."""
 MANY_STICKING_OUT: Final = 0.2
-"""... or if a smaller share of them sticks out of the picture as they were read."""
+"""... as may boxes of which a smaller share sticks out of the picture as read."""
 NEARLY_ALL: Final = 0.9
-"""Share of the pedestrians that are wider than tall from which on they are none."""
+"""Share of boxes wider than tall from which they are not of pedestrians."""
 
 
 @dataclass(frozen=True)
 class TruthLayout:
-    """A meaning of the numbers of the truth's boxes that makes all systems fit.
+    """Box layout of the truth that makes all systems fit.
 
     `is_certain` is False if a system's boxes may be misread as well.
     """
@@ -75,7 +76,11 @@ class TruthLayout:
 
 
 def find_truth_layout(dataset: Dataset) -> TruthLayout | None:
-    """Find out whether the truth was misread rather than the systems; kept with the dataset.
+    """Find out whether the truth was misread rather than the systems. Cached in the dataset.
+
+    The better fit decides. If both fit equally well, the first rule that applies decides: systems
+    whose files may be in another format were misread; the side whose boxes are less often upright
+    and in the picture was misread; the truth was misread if several systems agree.
 
     The better fit decides. Where both fit alike, systems whose files may be in another format were
     misread; else the side whose boxes are less often upright and in the picture; else the truth if
@@ -121,7 +126,7 @@ def _find_truth_layout(dataset: Dataset) -> TruthLayout | None:
 
 
 def audit_truth_layout(dataset: Dataset) -> list[Finding]:
-    """An error where the boxes of the truth, and perhaps of all sources, mean something else."""
+    """Report an error if the boxes of the truth, and perhaps of all sources, were misread."""
     found = find_truth_layout(dataset)
     if found is None or not found.is_certain:
         return _corners_of_all(dataset) or _lying(dataset)
@@ -138,7 +143,7 @@ def audit_truth_layout(dataset: Dataset) -> list[Finding]:
 
 
 def audit_transform(source: BoxSource, threshold: float | None) -> list[Finding]:
-    """The transform under which a system's boxes fit the truth best, if they do not as they are."""
+    """Report the transform under which a system's misfitting boxes fit the truth best."""
     dataset, name = source.dataset, source.name
     of_truth = find_truth_layout(dataset)
     found = search(dataset, name, threshold)
@@ -181,7 +186,7 @@ def _gain_text(dataset: Dataset, what: str, best: Fit, as_is: Fit, looked_at: st
 def _of_source(
     source: BoxSource, code: str, message: str, advice: str, steps: Sequence[Step]
 ) -> Finding:
-    """An error about a source as a whole."""
+    """Return an error about a source as a whole."""
     inputs = source.dataset.inputs
     files = inputs["file"][inputs["subject"] == source.name]
     file, n = files.iloc[0] if len(files) else "", len(source.boxes)
@@ -191,7 +196,10 @@ def _of_source(
 
 
 def _explains_rows(source: BoxSource, transform: Transform) -> bool:
-    """Whether rows are left out beside the evaluated frames, and a time offset places them all.
+    """Whether a time offset explains all rows left out beside the evaluated frames.
+
+    Two facts then show that the file counts frames from another number. A system that merely lags
+    behind has no such rows.
 
     Then two things say that the file counts frames from another number; a system that lags behind
     has no such rows.
@@ -235,7 +243,7 @@ def _in_words(dataset: Dataset, name: str, transform: Transform) -> str:
 
 
 def _frame_numbers(dataset: Dataset, name: str, transform: Transform) -> tuple[float, int]:
-    """Factor and offset of the numbers in a system's files, those given before included."""
+    """Return factor and offset of the numbers in a system's files, including those already set."""
     own, step = source_of(dataset, name), transform.frame_step
     offset = round(own.offset_frames * step) + transform.offset_frames
     return float(f"{step * own.frame_step:.6g}"), offset
@@ -266,21 +274,21 @@ def audit_no_match(
     matches: Sequence[Matches],
     thresholds: Sequence[float | None],
 ) -> list[Finding]:
-    """An error if no system matches anybody for no reason found, a warning if one of two does not.
+    """Report an error if no system matches anybody for an unknown reason, a warning for one of two.
 
     Parameters
     ----------
     systems
-        Those compared; one if there is no other.
+        Compared systems, perhaps only one.
     counting, thresholds
-        Their detections that pass the thresholds, and these.
+        Detections of the systems that pass the thresholds, and the thresholds.
 
     Notes
     -----
-    Only systems that detect something in half of the frames with pedestrians: one that is silent
-    has other findings. One system alone that matches nobody is an error, too: nothing else tells
-    that the files were read as they were meant. Where boxes overlap as they are, and the setting of
-    matching asks for more, it is a warning.
+    This is limited to systems that detect something in half of the frames with pedestrians, because
+    silent ones have other findings. A single system that matches nobody is an error, too, since
+    nothing else shows that the files were read correctly. It is a warning if boxes overlap as read
+    but less than the matching setting requires.
     """
     of_truth = frames_with(dataset.truth, ~dataset.truth.ignore)
     n = int(np.count_nonzero(~dataset.truth.ignore))
@@ -341,7 +349,7 @@ def audit_no_match(
 
 
 def _classes_left_out(dataset: Dataset, subjects: Sequence[str]) -> dict[str, str]:
-    """Describe the boxes of other classes, by source; sources without any are left out."""
+    """Describe the boxes of other classes, by source, without sources that have none."""
     left_out = {
         subject: [part for part in dataset.read_as[subject].left_out if part.kind == "class"]
         for subject in subjects
@@ -355,7 +363,10 @@ def _classes_left_out(dataset: Dataset, subjects: Sequence[str]) -> dict[str, st
 
 
 def _corners_of_all(dataset: Dataset) -> list[Finding]:
-    """An error where the truth, and so perhaps every source, has corners where sizes belong.
+    """Report an error if the truth, and so perhaps every source, has corners instead of sizes.
+
+    Boxes then fit one another, and only the picture reveals it: many stick out of the picture,
+    though none of their corners does.
 
     Then boxes fit one another, and only the picture tells: many stick out of it, though none of
     their corners does.
@@ -379,7 +390,7 @@ def _are_corners(source: BoxSource) -> bool:
     if _read_as(source.dataset, source.name).kind != "sizes" or len(boxes) < MIN_CORNERS:
         return False
     x, y, w, h = boxes.xywh
-    if not ((w > x) & (h > y)).all():  # as nearly always: the rest takes long
+    if not ((w > x) & (h > y)).all():  # almost always: the rest is slow
         return False
     recording = frames.recording[boxes.frame_index]
     width, height = frames.width[recording], frames.height[recording]
@@ -390,7 +401,9 @@ def _are_corners(source: BoxSource) -> bool:
 
 
 def _lying(dataset: Dataset) -> list[Finding]:
-    """An error where nearly all pedestrians are wider than tall: another class, or swapped axes.
+    """Report an error if nearly all pedestrians are wider than tall (another class, swapped axes).
+
+    All sources may have this in common, so that their boxes fit one another.
 
     All sources may have that in common, so that their boxes fit one another.
     """

@@ -33,9 +33,9 @@ from nvcore.inputs.readers import formats_like
 from nvcore.inputs.session import Session
 
 MAX_SHIFT: Final = 5
-"""Largest time offset that is tried beside another transform, in listed frames ..."""
+"""Largest time offset tried in addition to another transform, in listed frames ..."""
 FARTHEST_SHIFT: Final = 30
-"""... and alone where the boxes fit badly."""
+"""... and by itself if the boxes fit badly."""
 RATES: Final = tuple(
     sorted(
         {Fraction(p, q) for p in range(1, 7) for q in range(1, 7)}
@@ -49,7 +49,7 @@ RATES: Final = tuple(
 MAX_DRIFT: Final = 0.06
 """Largest difference of clocks, as a share."""
 MOST_DRIFTS: Final = 60
-"""Drifts that are tried to each side, of half a frame over the recording at least."""
+"""Number of drifts tried in each direction, each of at least half a frame over the recording."""
 SCALES: Final = tuple(
     Fraction(a, b)
     for a, b in ((1, 4), (1, 3), (2, 5), (1, 2), (3, 5), (5, 8), (2, 3), (3, 4), (4, 5), (5, 6))
@@ -68,7 +68,7 @@ STRIDE: Final = 32
 SNAP: Final = 0.015
 """Largest relative distance at which a measured ratio of sizes is rounded to a usual one."""
 MAX_ASPECT: Final = 0.1
-"""Measured ratios of widths and heights that differ by more are of other objects."""
+"""Largest difference of measured ratios of widths and heights for the same objects."""
 LOOSE: Final = (0.1, 0.3, 0.3)
 """Least IoU of a detection with its pedestrian when offsets are measured, by iteration; the first
 estimate favours small offsets, so its limit is low."""
@@ -77,40 +77,40 @@ MIN_CLOSE: Final = 20
 MAX_SPREAD: Final = 1.5
 """Largest distance between the quartiles of a constant offset's differences, in offsets."""
 MIN_OFFSET_PX: Final = 2.0
-"""Smaller pixel offsets are a matter of drawing, or of counting pixels from 0 or 1 ..."""
+"""Smallest relevant pixel offset. Drawing, or counting pixels from 0 or 1, causes smaller ones ...
+"""
 MIN_OFFSET_SHARE: Final = 0.05
-"""... as are those of a smaller share of the pedestrians' median width."""
+"""... as well as those below this share of the pedestrians' median width."""
 
 WELL: Final = 0.7
-"""Share of boxes that fit from which on only small offsets are looked for."""
+"""Share of fitting boxes from which only small offsets are tried."""
 GOOD_IOU: Final = 0.8
-"""Mean IoU from which on no combinations are tried: two offsets may cancel each other."""
+"""Mean IoU from which no combinations are tried, since two offsets may cancel each other."""
 DECENT: Final = 0.4
-"""Share of boxes that fit below which a small gain may be chance, and the truth misread."""
+"""Share of fitting boxes below which a small gain may be chance, and the truth misread."""
 MOST_KEPT: Final = 4
 """Best fits on which combinations are built ..."""
 ROUNDS: Final = 2
-"""... and how often."""
+"""... and the number of rounds."""
 TIME_GAIN: Final = 0.03
-"""Gain in mean IoU that another frame number has to bring ..."""
+"""Required gain in mean IoU for another frame number ..."""
 PART_GAIN: Final = 0.02
-"""... and any other part of a transform."""
+"""... and for any other part of a transform."""
 MIN_BOXES: Final = 50
-"""Fewer pedestrians or detections are too few to judge by such gains ..."""
+"""Fewest pedestrians or detections for judging by such gains ..."""
 MIN_MOVED: Final = 30
-"""... or by any, but for that of another meaning of the numbers or another format."""
+"""... or by any gain, except for another layout or format."""
 MIN_FITTING: Final = 10
-"""Fewer boxes that fit may do so by chance."""
+"""Fewest fitting boxes; fewer may fit by chance."""
 MIN_GAIN: Final = 0.1
-"""Least gain in the share of boxes that fit, of the pedestrians or of the boxes if these are fewer:
-what a transform has to bring ..."""
+"""Required gain in the share of fitting boxes, of pedestrians or boxes, whichever are fewer ..."""
 CHANCE: Final = 0.3
-"""... and as a share of the boxes that still do not fit: the worse it fits, the likelier by chance
-..."""
+"""... and as a share of the boxes that still do not fit, since a bad fit is more likely chance ...
+"""
 CHANCE_OF_FEW: Final = 0.7
-"""... the more so ..."""
+"""... with this stricter share ..."""
 MANY: Final = 100
-"""... where fewer boxes fit, but for another meaning of the numbers, of which there are few."""
+"""... for fewer fitting boxes, except for another layout, since there are few layouts."""
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ def trial_of(dataset: Dataset, name: str, threshold: float | None = None) -> Tri
 
 
 def search(dataset: Dataset, name: str, threshold: float | None = None) -> Search:
-    """Find the transform under which a system's boxes fit best; cached in the dataset."""
+    """Find the transform under which a system's boxes fit best. Cached in the dataset."""
     return dataset.kept(
         ("transforms", name, threshold),
         lambda dataset: _search(trial_of(dataset, name, threshold), threshold),
@@ -187,7 +187,7 @@ def _search(trial: Trial, threshold: float | None) -> Search:
 def is_better(trial: Trial, best: Fit, as_is: Fit, *, is_of_layout: bool = False) -> bool:
     """Whether a fit is better than without a transform by more than chance.
 
-    Set `is_of_layout` for another layout or format: these are few, so that less gain is needed.
+    Set `is_of_layout` for another layout or format: these are few, so less gain is needed.
     """
     transform = best.transform
     if best.rank <= as_is.rank:
@@ -239,7 +239,7 @@ def _of_other_formats(trial: Trial, threshold: float | None) -> list[Fit]:
 
 
 def _in_other_formats(dataset: Dataset, name: str) -> Iterator[tuple[str, Dataset, str]]:
-    """Other formats of a system's files, the inputs read so, and the name of the system there."""
+    """Yield other formats of a system's files, the inputs read that way, and the system's name."""
     settings = dataset.settings
     if not isinstance(settings, Session):
         return
@@ -361,7 +361,7 @@ def _measured_scales(trial: Trial) -> Iterator[float]:
             factor = float((ours * away).sum() / max((away**2).sum(), 1e-9))
             x, y = np.median(ours - factor * theirs, axis=1)
             offset = float(x), float(y)
-        else:  # in pairs by chance, as of mirrored pictures, boxes are not larger by the same ratio
+        else:  # chance pairs, as of mirrored pictures, do not scale width and height alike
             pairs = ((trial.truth.box[k][close], trial.system.box[k][best[close]]) for k in (2, 3))
             larger = np.median(np.concatenate([ours / theirs for ours, theirs in pairs]))
             if abs(larger / factor - 1) <= MAX_ASPECT:
@@ -415,7 +415,7 @@ def _voted(trial: Trial, transform: Transform) -> list[tuple[float, float]]:
 
 
 def _centres_apart(trial: Trial, transform: Transform, g: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """Centres of pedestrians minus those of detections under a transform, px; shape (2, n)."""
+    """Return centres of pedestrians minus those of detections under a transform, px, (2, n)."""
     truth, system = trial.truth.box, trial.boxes_under(transform).box
     return np.stack(
         [

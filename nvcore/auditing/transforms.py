@@ -26,11 +26,12 @@ MAX_PAIRS: Final = 30_000
 FIT_IOU: Final = 0.5
 """Least IoU of a box that fits a pedestrian."""
 NEAR_IOU: Final = 0.3
-"""Smaller overlaps do not count in favour of a transform."""
+"""Least overlap that counts in favour of a transform."""
 LARGEST: Final = 1.2
-"""Numbers up to this many times the whole may be shares of it: boxes stick out of pictures."""
+"""Numbers up to this many times the whole may be shares of it, since boxes stick out of pictures.
+"""
 LARGE: Final = 0.1
-"""How far a believable box may stick out of the picture, as a share of it."""
+"""Largest extent of a plausible box beyond the picture, as a share of the picture."""
 NOT_LISTED: Final = REASONS[2]
 NO_AREA: Final = REASONS[-1]
 _RECORDING: Final = 40
@@ -39,7 +40,7 @@ _RECORDING: Final = 40
 
 @dataclass(frozen=True)
 class Transform:
-    """A correction of a system's boxes; by default none.
+    """Correction of a system's boxes, by default none.
 
     Attributes
     ----------
@@ -50,9 +51,9 @@ class Transform:
     offset_px
         Added to x, y after scaling.
     boxes
-        What the four numbers of a box are instead; None: as they were read.
+        Other meaning of the four numbers of a box; None: as read.
     format
-        Name of the format that the files are read as instead; empty: the same.
+        Name of another format to read the files in; empty: the same.
     """
 
     frame_step: float = 1.0
@@ -104,7 +105,7 @@ class Fit:
 
     @property
     def share(self) -> float:
-        """Fitting pedestrians of as many as could fit at best, 0..1."""
+        """Fitting pedestrians as a share of the most that could fit, 0..1."""
         return self.n_fitting / max(self.n_possible, 1)
 
 
@@ -150,7 +151,7 @@ class FrameBoxes(NamedTuple):
         return FrameBoxes(key, np.append(start, len(order)), (x, y, w, h), score)
 
     def sizes(self, dataset: Dataset) -> Box:
-        """Width and height (px) of the picture of each box, twice."""
+        """Return width and height (px) of the picture of each box, twice."""
         frames = dataset.frame_columns
         recording = np.repeat(recording_and_frame(self.key)[0], np.diff(self.offsets))
         width, height = frames.width[recording], frames.height[recording]
@@ -173,7 +174,7 @@ class FrameBoxes(NamedTuple):
         return FrameBoxes(self.key[frames], offsets, (x, y, w, h), self.score[rows])
 
     def believable(self, dataset: Dataset) -> float:
-        """Share of boxes with an area, in the picture, and upright if of pedestrians; 0..1."""
+        """Return the share of boxes with an area, in the picture, and upright if of pedestrians."""
         (x, y, w, h), (width, height, *_) = self.box, self.sizes(dataset)
         is_so = (w > 0) & (h > 0) & (x > -LARGE * width) & (y > -LARGE * height)
         is_so &= (x + w < (1 + LARGE) * width) & (y + h < (1 + LARGE) * height)
@@ -275,7 +276,7 @@ class Trial:
         system, key = self.boxes_under(transform), self.truth.key
         recording, frame = recording_and_frame(key)
         step, offset = transform.frame_step, transform.offset_frames
-        # of several numbers that come to one frame the nearest counts, as where it is corrected
+        # if several numbers give the same frame, the nearest counts, as in the correction
         number = np.rint((frame - offset) / step).astype(np.int64)
         is_frame = np.floor(step * number + offset + 0.5) == frame
         wanted = _key(recording, number)
@@ -314,7 +315,7 @@ class Trial:
 
 
 def source_of(dataset: Dataset, name: str) -> SystemSource:
-    """A system's entry in the session; an empty one without a session."""
+    """Return a system's entry in the session, or an empty one without a session."""
     settings = dataset.settings
     if not isinstance(settings, Session):
         return SystemSource(name)
@@ -322,14 +323,14 @@ def source_of(dataset: Dataset, name: str) -> SystemSource:
 
 
 def rows_in_ranges(start: np.ndarray, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Expand ranges of `n` rows from `start`: the range's number and the row, one entry per row."""
+    """Expand ranges of `n` rows from `start`. Returns range number and row, one entry per row."""
     end = np.cumsum(n)
     number = np.repeat(np.arange(len(n)), n)
     return number, np.arange(n.sum()) - np.repeat(end - n - start, n)
 
 
 def above_threshold(boxes: BoxColumns, threshold: float | None) -> BoxColumns:
-    """Select the detections that pass a threshold; those without a score always do."""
+    """Select the detections that pass a threshold. Those without a score always do."""
     return boxes if threshold is None else boxes.only(~(boxes.score < threshold))
 
 
