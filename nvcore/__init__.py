@@ -1,7 +1,6 @@
 """Compare two pedestrian-detection systems by what the driver notices.
 
     import nvcore as nv
-
     result = nv.compare("session.toml", alpha=0.8)
     print(result)
 
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from nvcore.subjects import public_names, resolve
 
 __version__ = "0.1.0"
-"""The version of the program, written into every output."""
+"""Version of the program, written into every output."""
 
 __all__ = [
     "PROTOCOLS",
@@ -60,7 +59,7 @@ _HOMES = {
     "nvcore.params": ("Params",),
     "nvcore.protocols": ("PROTOCOLS", "Protocol"),
 }
-"""The names of `__all__` by the module that defines them."""
+"""Names of `__all__` by the module that defines them."""
 _PACKAGES = ("detection", "evidence", "figures", "metrics", "pictures", "stability", "tables")
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
 

@@ -1,4 +1,4 @@
-"""``python -m nvcore``: the command line."""
+"""Entry point of ``python -m nvcore``: the command line."""
 
 from nvcore.cli import main
 

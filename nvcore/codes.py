@@ -1,4 +1,4 @@
-"""Stretches of a recording to which somebody gave a code, such as glare or distraction."""
+"""Intervals of a recording with a code from a person, such as glare or distraction."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ LONGEST_CODE: Final = 80
 NO_CODE: Final = "no_code"
 """Class of encounters that overlap no coded interval, in recordings that have any."""
 SEPARATOR: Final = ";"
-"""`nvcore.schema.CLASS_SEPARATOR`, without what that module loads."""
+"""Copy of `nvcore.schema.CLASS_SEPARATOR` that avoids loading that module."""
 
 
 @dataclass(frozen=True, order=True)
 class CodedInterval:
-    """A stretch of a recording with a code.
+    """Interval of a recording with a code.
 
     Attributes
     ----------
     recording
-        What the recording is called.
+        Name of the recording.
     start_s, end_s
-        Seconds since its first evaluated frame, both included.
+        Seconds since the recording's first evaluated frame, both included.
     code
-        A word or a few; it is a class of the encounters that the stretch overlaps.
+        One or a few words. It becomes a class of the encounters that the interval overlaps.
 
     Raises
     ------
     ParameterError
-        If it ends before it starts, or the code can be none.
+        If it ends before it starts, or the code is not valid.
     """
 
     recording: str
@@ -57,5 +57,5 @@ class CodedInterval:
             )
 
     def given(self) -> dict[str, Any]:
-        """As a session file has it."""
+        """Return the interval as in a session file."""
         return asdict(self)

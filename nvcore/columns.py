@@ -21,13 +21,13 @@ class BoxColumns:
     x, y, w, h, score
         px (score: any scale), float64, shape (n,).
     track
-        int64, shape (n,); NO_TRACK where none.
+        int64, shape (n,); NO_TRACK if none.
     ignore
         bool, shape (n,).
     distance_m
-        metres, float64, shape (n,); NaN where unknown.
+        metres, float64, shape (n,); NaN if unknown.
     label
-        Place among `nvcore.dataset.Dataset.labels`, int32, shape (n,); NO_LABEL where unknown.
+        Index in `nvcore.dataset.Dataset.labels`, int32, shape (n,); NO_LABEL if unknown.
     frame_index
         Row of the frames table, int64, shape (n,).
     offsets
@@ -72,7 +72,7 @@ class BoxColumns:
     def of_frames(self, start: int, stop: int) -> BoxColumns:
         """Return the boxes of frames ``start:stop``, without reading any other boxes.
 
-        Their `frame_index` still counts all frames; `offsets` are those of these frames alone.
+        Their `frame_index` still counts all frames, while `offsets` only covers these frames.
         """
         rows = self.rows_of(start, stop)
         columns = {name: getattr(self, name)[rows] for name in BOX_COLUMNS}
@@ -92,7 +92,7 @@ def boxes_of_frame(xywh: np.ndarray, score: np.ndarray, label: np.ndarray) -> Bo
     xywh
         px, float64, shape (n, 4).
     score, label
-        As in `BoxColumns`.
+        See `BoxColumns`.
     """
     n = len(xywh)
     columns = {
@@ -116,14 +116,14 @@ class Detectability(NamedTuple):
     Attributes
     ----------
     value
-        0..1, 1 is surely seen; float64, shape (n_truth,); NaN where unknown.
+        0..1, 1 is surely seen; float64, shape (n_truth,); NaN if unknown.
     sd
-        Standard deviation of the estimate; float64, shape (n_truth,); NaN where unknown.
+        Standard deviation of the estimate; float64, shape (n_truth,); NaN if unknown.
     is_outside
-        Whether it was estimated outside the range of the training; bool, shape (n_truth,).
+        True if estimated outside the range of the training; bool, shape (n_truth,).
     is_adapted
-        Whether it was estimated for adapted eyes, since no change from bright to dark is known
-        before; bool, shape (n_truth,).
+        True if estimated for adapted eyes, because no earlier change from bright to dark is known;
+        bool, shape (n_truth,).
     """
 
     value: np.ndarray
@@ -147,10 +147,10 @@ class FrameColumns:
     first
         First row of each recording, int64, shape (n_recordings + 1,).
     width, height, fps, horizon, context
-        float64, shape (n_recordings,); horizon and context NaN where unknown.
+        float64, shape (n_recordings,); horizon and context are NaN if unknown.
     speed_kmh
-        Of the car in each frame, by a series of it, else its recording's; float64, shape
-        (n_frames,); NaN where neither states it.
+        Speed of the car in each frame, from its series or else from its recording; float64, shape
+        (n_frames,); NaN if neither states it.
     """
 
     recording: np.ndarray
@@ -196,7 +196,10 @@ class FrameColumns:
 
     @cached_property
     def sampling_step(self) -> np.ndarray:
-        """Median distance between listed frames of each recording. 1: every frame is listed.
+        """Median distance between listed frames of each recording, 1 if every frame is listed.
+
+        A value above 1 means that the frames between were not evaluated. Events counted in listed
+        frames (false alarms) are then too few per minute of recording time by about this factor.
 
         Above 1 the frames between were not evaluated, and events counted in listed frames (false
         alarms) are too few per minute of recording time by about this factor.
@@ -229,7 +232,7 @@ class FrameColumns:
         if rows is None:
             reach = (0.5 * window_s * self.fps * (1 + 1e-9)).astype(np.int64)
             # one axis for all recordings, with more than a window between them; whole numbers, so
-            # that no digit depends on how long it is
+            # that results do not depend on its length
             is_other = np.concatenate([[False], np.diff(self.recording) != 0])
             step = np.concatenate([[0], np.diff(self.frame)])
             axis = np.cumsum(np.where(is_other, 2 * reach.max(initial=0) + 1, step))
@@ -245,14 +248,13 @@ class FrameColumns:
     def sums(self, values: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:
         """Sum the values over each range of frames ``start:stop``.
 
-        No range is empty, and each lies within one recording.
-
-        Each recording is added up by itself: no digit depends on which others there are.
+        No range is empty, and each lies within one recording. Each recording is summed by itself,
+        so that results do not depend on the other recordings.
 
         Parameters
         ----------
         values
-            Of each frame; float64, shape (n_frames,).
+            Value of each frame; float64, shape (n_frames,).
         """
         running = np.empty(len(values))
         for first, end in pairwise(self.first):  # a loop over recordings
@@ -267,7 +269,7 @@ class FrameColumns:
 
 
 def offsets_of(frame_index: np.ndarray, n_frames: int) -> np.ndarray:
-    """Return where each frame's boxes start in a sorted `frame_index`, int64, (n_frames + 1,)."""
+    """Return the start of each frame's boxes in a sorted `frame_index`, int64, (n_frames + 1,)."""
     counts = np.bincount(frame_index, minlength=n_frames)
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 

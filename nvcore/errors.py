@@ -12,7 +12,7 @@
     ├── ParameterError              a live parameter is outside its range
     └── MissingExtraError           packages of an extra are not installed
 
-Every message says what is wrong, where, what was expected, what was found and what to do.
+Every message states the problem, the place, the expectation, the actual value and the fix.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from nvcore.findings import Remedy, Step
 
 
 class NvcoreError(Exception):
-    """Base of all errors that a user can fix.
+    """Base class of all errors that a user can fix.
 
     Attributes
     ----------
     steps
-        Ways on, for a medium that has a flag or a field for them.
+        Suggested fixes, for a medium that has a flag or a field for them.
     needs_all_steps
-        Whether all of them have to be taken; else one will do.
+        True if all of them are needed; otherwise one is enough.
     """
 
     steps: tuple[Step, ...] = ()
@@ -45,18 +45,18 @@ class InputError(NvcoreError):
     Parameters
     ----------
     message
-        What is wrong, what was expected, what was found, what to do.
+        Problem, expectation, actual value and fix.
     file
         Name of the file as the user gave it, if one is to blame.
     line
         1-based line in that file, if one is to blame.
     steps
-        Ways on, for a medium that has a flag or a field for them.
+        Suggested fixes, for a medium that has a flag or a field for them.
 
     Attributes
     ----------
     path
-        Where that file lies, once it is known: files of two inputs may have one name.
+        Path of that file, once it is known, since files of two inputs may have the same name.
     """
 
     path: Path | None = None
@@ -79,7 +79,7 @@ class InputError(NvcoreError):
         super().__init__(where + message)
 
     def __reduce__(self) -> Any:
-        """For another process: an exception by itself forgets its keywords."""
+        """Keep the keywords when pickled, which an exception by default does not."""
         return partial(type(self), self.message, **self._keywords()), ()
 
     def _keywords(self) -> dict[str, Any]:
@@ -103,7 +103,7 @@ class MediaError(InputError):
 
 
 class EstimatorError(InputError):
-    """An estimator of what the driver sees, a model file, cannot be used."""
+    """A model file that estimates the driver's view cannot be used."""
 
 
 _OF_FACT: Final = {"size": Remedy.SIZE, "fps": Remedy.RATE, "frames": Remedy.FRAMES}
@@ -117,8 +117,8 @@ class MissingFactError(InputError):
     message, file, line, steps
         See `InputError`.
     facts
-        What the user has to give: ``size``, ``fps``, ``frames``; empty where none of these helps.
-        The ways on are to give all of them, unless others are named.
+        Facts that the user must specify: ``size``, ``fps``, ``frames``; empty if none of these
+        helps. The suggested fixes are to specify all of them, unless `steps` has others.
     """
 
     def __init__(
@@ -140,11 +140,11 @@ class MissingFactError(InputError):
 
 
 class SessionError(InputError):
-    """A session file says something that cannot be done."""
+    """A session file asks for something that cannot be done."""
 
 
 class StoreError(InputError):
-    """People's answers or a store cannot be used: locked, disk full, or the like; later it may."""
+    """People's answers or a store cannot be used for now, as when locked or the disk is full."""
 
 
 class ParameterError(NvcoreError):
@@ -156,4 +156,4 @@ class ParameterError(NvcoreError):
 
 
 class MissingExtraError(NvcoreError, ImportError):
-    """Packages are not installed that this part of the program needs: those of an extra."""
+    """Packages of an extra that this part of the program needs are not installed."""

@@ -1,4 +1,4 @@
-"""Optional dependencies (extras), and errors that say how to install them."""
+"""Optional dependencies (extras), and errors that name the extra to install."""
 
 from __future__ import annotations
 
@@ -20,25 +20,25 @@ PACKAGES: Final = {
     "login": (*APP, "authlib", "httpx"),
     **OF_SUBJECTS,
 }
-"""Names by which the packages of each extra of pyproject.toml are imported."""
+"""Import names of the packages of each extra of pyproject.toml."""
 
 
 @contextmanager
 def needs(extra: str, subject: str) -> Iterator[None]:
-    """Make failing imports inside this context say which extra to install.
+    """Turn failing imports inside this context into errors that name the extra to install.
 
     Parameters
     ----------
     extra
-        Of pyproject.toml, which brings the packages.
+        Extra of pyproject.toml that provides the packages.
     subject
-        Who needs them, with its verb: ``figures need``.
+        Subject and verb of the message: ``figures need``.
 
     Raises
     ------
     MissingExtraError
-        If a package of the extra is not installed, in the words of the outermost `needs`; any
-        other import error stays as it is.
+        If a package of the extra is not installed, with the subject of the outermost `needs`. Other
+        import errors are not changed.
     """
     try:
         yield

@@ -1,4 +1,4 @@
-"""The kind of a file: a binary or packed one from its first bytes, a picture from its name."""
+"""Kind of a file: binary and compressed files by their first bytes, pictures by their name."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path, PurePath
 from typing import Final
 
 IMAGE_SUFFIXES: Final = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"})
-"""Endings by which pictures are picked from a folder or an archive."""
+"""Suffixes of pictures in a folder or an archive."""
 
 _MAGIC: Final[tuple[tuple[int, bytes, str], ...]] = (
     (0, b"\x89PNG", "a PNG picture"),
@@ -44,7 +44,7 @@ _MAGIC: Final[tuple[tuple[int, bytes, str], ...]] = (
 _BYTES_CHECKED: Final = 4096
 
 PACKED_ENDINGS: Final = (".gz", ".bz2", ".xz", ".zst")
-"""Endings of packed files, behind that of their content: ``truth.csv.gz``."""
+"""Suffixes of compressed files, after that of their content: ``truth.csv.gz``."""
 
 _PACKED: Final[dict[str, re.Pattern[bytes]]] = {
     "gzip": re.compile(rb"\x1f\x8b\x08"),
@@ -56,7 +56,7 @@ PACKED_HEAD_BYTES: Final = 10
 
 
 def packed_by(head: bytes) -> str | None:
-    r"""How a file is packed, by its first bytes; None: it is not.
+    r"""Return the compression of a file by its first bytes, or None if it is not compressed.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def packed_by(head: bytes) -> str | None:
 
 
 def unpacked_name(name: str) -> str:
-    """The name of a file without the ending that says how it is packed.
+    """Return the name of a file without the suffix of its compression.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def unpacked_name(name: str) -> str:
 
 
 def suffix_of(path: PurePath) -> str:
-    """Ending of a file's content, in lower case; empty if it has none.
+    """Return the suffix of a file's content in lower case, or "" if it has none.
 
     Examples
     --------
@@ -94,12 +94,12 @@ def suffix_of(path: PurePath) -> str:
 
 
 def binary_kind(content: bytes) -> str | None:
-    r"""What kind of binary file this is, with an article; None if it may be text.
+    r"""Return the kind of a binary file, with an article, or None if it may be text.
 
     Parameters
     ----------
     content
-        The file's content, or its beginning.
+        Content of the file, or its beginning.
 
     Examples
     --------
@@ -115,7 +115,7 @@ def binary_kind(content: bytes) -> str | None:
 
 
 def composed(name: str) -> str:
-    """The name as names are compared: a Mac stores an accent as a sign behind its letter.
+    """Normalise a name for comparison: a Mac stores an accent as a character after its letter.
 
     Examples
     --------
@@ -126,7 +126,9 @@ def composed(name: str) -> str:
 
 
 def as_stored(path: Path) -> Path:
-    """The path of the file or folder that has this name, with accents as they are stored.
+    """Return the path of the file or folder with this name, with accents as they are stored.
+
+    If there is none, the path is returned unchanged.
 
     The path itself where there is none.
     """

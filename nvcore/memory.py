@@ -1,4 +1,6 @@
-"""Whether there is memory for so many frames: known before they take it.
+"""Check whether there is enough memory for a number of frames before loading them.
+
+A machine that runs out of memory stalls for minutes, and then kills an arbitrary program.
 
 A machine that runs out of memory stands still for minutes, and then ends any program that it likes.
 """
@@ -12,11 +14,11 @@ from typing import Final
 from nvcore.errors import InputError
 
 BYTES_OF_FRAME: Final = 500
-"""What a comparison takes for each evaluated frame, few boxes assumed."""
+"""Memory of a comparison for each evaluated frame, assuming few boxes."""
 MANY_FRAMES: Final = 1_000_000
-"""So many are taken without a question."""
+"""Largest number of frames that is not checked."""
 SPARSE: Final = 1000
-"""Frames for each one with a box from which on frame numbers are taken for wrong ones."""
+"""Frames for each frame with a box from which frame numbers are assumed to be wrong."""
 _UNLIMITED: Final = 1 << 60
 
 
@@ -26,7 +28,7 @@ def check_room(n_frames: int, n_boxes: int) -> None:
     Raises
     ------
     InputError
-        If they would take more than is free, or nearly all are empty and take memory for nothing.
+        If they need more memory than is free, or nearly all are empty and waste memory.
     """
     if n_frames <= MANY_FRAMES:
         return
@@ -45,7 +47,10 @@ def check_room(n_frames: int, n_boxes: int) -> None:
 
 
 def free_bytes(system: Path = Path("/")) -> int | None:
-    """Memory that this process may still take; None where that is not known, as outside Linux.
+    """Return the memory still available to this process, or None if unknown, as outside Linux.
+
+    This is the least of the machine's free memory, the limit of a container or service, and the
+    rest of ``ulimit -v``.
 
     The least of what the machine has, what a container or service may take, and what ``ulimit -v``
     leaves.
@@ -59,7 +64,7 @@ def free_bytes(system: Path = Path("/")) -> int | None:
         rooms = [1024 * sum(int(values[name].split()[0]) for name in ("MemAvailable", "SwapFree"))]
     except (OSError, ValueError, KeyError):
         return None
-    import resource  # which Windows has not
+    import resource  # not available on Windows
 
     rooms += [limit - held for limit in _group_limits(system)]
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
@@ -68,7 +73,10 @@ def free_bytes(system: Path = Path("/")) -> int | None:
 
 
 def _group_limits(system: Path) -> list[int]:
-    """Limits on memory of the control group, of both versions; a container sees its own as root."""
+    """Return the memory limits of the control group, version 1 or 2.
+
+    A container sees its own group as the root.
+    """
     groups = system / "sys/fs/cgroup"
     files = [groups / "memory.max", groups / "memory/memory.limit_in_bytes"]
     try:

@@ -1,6 +1,6 @@
 """Kinds of annotated objects: pedestrians, speed signs, or others named by a session.
 
-Texts that speak of them are templates (`nvcore.wording.objects`), filled by `Objects.say`.
+Texts about them are templates (`nvcore.wording.objects`), filled by `Objects.say`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ NEUTRAL: Final = frozenset({"ignore", "ignored", "ignoreregion", "ignoredregions
 MOST_LETTERS: Final = 40
 _NAME: Final = re.compile(r"[^\W\d_][^\W_]*(?:[ -][^\W_]+)*")
 _UNITS: Final = frozenset({"", "kmh", "kph", "mph"})
-"""Letters beside the number of a class that is nothing but a number."""
+"""Letters next to the number of a class that consists only of a number."""
 _JOINTS: Final = str.maketrans("", "", " _-")
 
 
@@ -29,25 +29,25 @@ class Objects:
     Attributes
     ----------
     singular, plural
-        What they are called: letters and digits, with single spaces or hyphens between words.
+        Names: letters and digits, with single spaces or hyphens between words.
     classes
-        Names of classes in files that count unless the user says otherwise, without case and
-        without what joins words.
+        Names of classes in files that count by default, in lower case and without separators.
     lookalikes
-        Names of classes that could be taken for them: neither right nor wrong to detect.
+        Names of classes that could be mistaken for them. Detecting these is neither right nor
+        wrong.
     kinds, manners
-        Words that name some of them, by themselves ("child") or beside a name of the class
-        ("walking"): such classes are lookalikes, too, unless the user says that they count.
+        Words for a subset, by themselves ("child") or next to a name of the class ("walking"). Such
+        classes are lookalikes, too, unless the user says that they count.
     is_numbered
-        Whether a number and what surrounds it in a class is passed over: "speed limit (50km/h)".
+        True if a number in a class name is skipped: "speed limit (50km/h)".
     is_on_road
-        Whether they stand on the ground and a car could hit them: of others there is no time to
-        contact, and their lower edges say nothing about the horizon.
+        True if they stand on the ground and a car could hit them. Others have no time to contact,
+        and their lower edges say nothing about the horizon.
 
     Raises
     ------
     ValueError
-        If a name is none.
+        If a name is not valid.
     """
 
     singular: str
@@ -79,6 +79,9 @@ class Objects:
 
     def label_of(self, name: str) -> str:
         """Return the label that tells a class from others that count, or "" if there is none.
+
+        For numbered classes (speed signs) this is the number without its unit. For synonyms of the
+        objects it is the singular, otherwise the name itself.
 
         The number of numbered classes (those of speed signs), without its unit; the singular, where
         the name is one of those that mean the same; else the name itself.
@@ -125,8 +128,8 @@ class Objects:
         Parameters
         ----------
         text
-            A format template with words of `nvcore.wording.objects`, and fields for `values`. What
-            users gave, such as names of recordings, is always a value, never part of it.
+            Format template with words of `nvcore.wording.objects`, and fields for `values`. User
+            input, such as names of recordings, must always be a value, never part of the template.
 
         Examples
         --------
@@ -213,7 +216,7 @@ SPEED_SIGN: Final = Objects(
     is_on_road=False,
 )
 KINDS: Final = {kind.singular: kind for kind in (PEDESTRIAN, SPEED_SIGN)}
-"""Objects whose classes the readers know by themselves."""
+"""Objects whose classes the readers know."""
 
 
 def objects_from(names: str | Sequence[str] | Objects) -> Objects:
@@ -222,13 +225,13 @@ def objects_from(names: str | Sequence[str] | Objects) -> Objects:
     Parameters
     ----------
     names
-        One of `KINDS`; or any other singular, with its plural after it unless that is the singular
-        with an s. The classes that count are those of either name.
+        One of `KINDS`, or any other singular, followed by its plural unless that only adds an s.
+        Classes with either name count.
 
     Raises
     ------
     ValueError
-        If it is no name, or more than two.
+        If there is no valid name, or more than two.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""The colours and lines of the systems and the truth: the same in every figure, picture and video.
+"""Colours and line styles of systems and truth, the same in all figures, pictures and videos.
 
-They belong to a system, by its place in the session: whether it is compared as X or as Y changes
-none of them. Colour-blind people can tell them apart; dash and mark distinguish them a second time.
+A style belongs to a system, by its position in the session, whether it is compared as X or as Y.
+Colour-blind people can tell the colours apart. Dash and marker distinguish the systems as well.
 """
 
 from __future__ import annotations
@@ -13,22 +13,22 @@ Shade = Literal["light", "dark"]
 
 
 class SystemStyle(NamedTuple):
-    """How one system is drawn.
+    """Drawing style of a system.
 
     Attributes
     ----------
     name
-        The colour in a word.
+        Name of the colour.
     light, dark
-        The colour on a light and on a dark ground.
+        Colour on a light and on a dark background.
     line
-        The line in a word: solid, dashed ...
+        Name of the line style: solid, dashed ...
     dash, css
-        The same for Plotly and for CSS.
+        Line style for Plotly and for CSS.
     pattern
-        Lengths of dashes and gaps around boxes, px; empty: solid.
+        Lengths of dashes and gaps around boxes, px; empty for solid lines.
     symbol
-        Plotly's mark.
+        Marker in Plotly.
     """
 
     name: str
@@ -41,12 +41,12 @@ class SystemStyle(NamedTuple):
     symbol: str
 
     def colour(self, shade: Shade) -> str:
-        """The colour on this ground."""
+        """Return the colour for a background."""
         return self.light if shade == "light" else self.dark
 
     @property
     def words(self) -> str:
-        """Line and colour: "solid blue"."""
+        """Line and colour, such as "solid blue"."""
         return f"{self.line} {self.name}"
 
 
@@ -63,20 +63,20 @@ STYLES: Final = (
     ),
     SystemStyle("teal", "#00767A", "#45CBCB", "dotted", "dot", "dotted", (2, 3), "star"),
 )
-"""Of the systems of a session in their order; those of a longer session begin again."""
+"""Styles by system, in session order; they repeat after the last one."""
 
 X_COLOUR: Final[dict[Shade, str]] = {"light": STYLES[0].light, "dark": STYLES[0].dark}
-"""The first system, which is X unless another is chosen."""
+"""Colour of the first system, which is X by default."""
 
 Y_COLOUR: Final[dict[Shade, str]] = {"light": STYLES[1].light, "dark": STYLES[1].dark}
-"""The second."""
+"""Colour of the second system, which is Y by default."""
 
 TRUTH_COLOUR: Final[dict[Shade, str]] = {"light": "#3D4650", "dark": "#E6EAF0"}
-"""Ground truth, drawn thin."""
+"""Colour of the ground truth, drawn thin."""
 
 
 class Scheme(NamedTuple):
-    """A shade, which of the `STYLES` X and Y have, and what they are called, where it is known."""
+    """Shade, indices of X and Y in `STYLES`, and their names if known."""
 
     shade: Shade
     x: int = 0
@@ -84,21 +84,21 @@ class Scheme(NamedTuple):
     names: tuple[str, str] = ("", "")
 
     def style(self, letter: str) -> SystemStyle:
-        """How ``x`` or ``y`` is drawn."""
+        """Return the style of ``x`` or ``y``."""
         return STYLES[self.x if letter == "x" else self.y]
 
 
 Theme = Shade | Scheme
-"""What figures are drawn in; a shade alone: X as the first system, Y as the second."""
+"""Colours of figures. A shade alone draws X as the first system and Y as the second."""
 
 
 def scheme_of(theme: Theme) -> Scheme:
-    """The theme as a scheme."""
+    """Convert a theme to a scheme."""
     return theme if isinstance(theme, Scheme) else Scheme(theme)
 
 
 def scheme_for(shade: Shade, systems: Sequence[str], x: str, y: str | None) -> Scheme:
-    """The scheme in which each system keeps what its place in the session gives it.
+    """Return the scheme in which each system keeps the style of its position in the session.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def scheme_for(shade: Shade, systems: Sequence[str], x: str, y: str | None) -> S
 
 
 def rgb(colour: str) -> tuple[int, int, int]:
-    """Red, green, blue, 0..255.
+    """Return red, green and blue, 0..255.
 
     Examples
     --------

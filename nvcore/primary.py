@@ -1,4 +1,4 @@
-"""The primary question: the measure whose difference a comparison is to be decided by."""
+"""Primary question: the measure whose difference decides a comparison."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from datetime import UTC, datetime
 from typing import Any, Final
 
 DEFAULT: Final = "severity_s_per_encounter"
-"""The paper's argument: that a miss counts by how near, how long and how late it is, and that a
-count of misses does not say so (docs/decisions/066)."""
+"""Default by the paper's argument that the cost of a miss depends on how near, how long and how
+late it is, which a count of misses does not show (docs/decisions/066)."""
 
 
 @dataclass(frozen=True)
 class Primary:
-    """The measure that is tested by itself; all others follow only where it shows a difference.
+    """Measure that is tested by itself. Others are claimed only if it shows a difference.
 
     Attributes
     ----------
     key
-        Of `nvcore.measures.table.EVIDENCE_KEYS`.
+        One of `nvcore.measures.table.EVIDENCE_KEYS`.
     fixed_at
-        When it was chosen (ISO 8601, UTC); empty: not by anybody, it is the default.
+        Time of the choice (ISO 8601, UTC); empty for the default, which nobody chose.
     fingerprint
-        Of the data for which it was chosen; empty: before there were any.
+        Fingerprint of the data for which it was chosen; empty if chosen before there were any.
     is_changed
-        Whether it was chosen anew after a verdict on these data had been shown: then it is tested
-        as one of all measures.
+        True if it was changed after a verdict on these data had been shown. It is then tested as
+        one of all measures.
     """
 
     key: str = DEFAULT
@@ -36,18 +36,18 @@ class Primary:
 
     @property
     def when(self) -> str:
-        """When it was chosen, to the minute: "on 2026-11-26 at 17:40 UTC"."""
+        """Time of the choice, to the minute, such as "on 2026-11-26 at 17:40 UTC"."""
         day, _, time = self.fixed_at.partition("T")
         return f"on {day} at {time[:5]} UTC" if time else "in the session file"
 
     def choose(self, key: str, *, fixed_at: str) -> Primary:
-        """Another measure; changed where this one was fixed with a verdict on the data."""
+        """Return another measure, marked as changed if a verdict on the data has fixed this one."""
         if key == self.key:
             return self
         return Primary(key, fixed_at, self.fingerprint, self.is_changed or bool(self.fingerprint))
 
     def given(self) -> dict[str, str | bool]:
-        """As a session file names it; empty: the default, of no data."""
+        """Return the entries of a session file, empty for the default without data."""
         table: dict[str, str | bool] = {
             "measure": self.key,
             "fixed_at": self.fixed_at,
@@ -57,18 +57,18 @@ class Primary:
         return {} if self == Primary() else {key: value for key, value in table.items() if value}
 
     def of_data(self, fingerprint: str) -> Primary:
-        """The same for these data: on others no verdict has been shown yet."""
+        """Return the same measure for these data. No verdict on other data has been shown yet."""
         if self.fingerprint in ("", fingerprint):
             return self
         return Primary(self.key, self.fixed_at)
 
 
 def now_text() -> str:
-    """The time, for `Primary.fixed_at`."""
+    """Return the current time for `Primary.fixed_at`."""
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
 def primary_from(table: Mapping[str, Any]) -> Primary:
-    """From the table of a session file."""
+    """Create the primary measure from the table of a session file."""
     names = {"measure": "key", "changed": "is_changed"}
     return Primary(**{names.get(key, key): value for key, value in table.items()})

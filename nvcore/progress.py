@@ -1,4 +1,4 @@
-"""Progress of a long computation: the callback type, and steps that run side by side."""
+"""Progress of a long computation: the callback type, and steps that run in parallel."""
 
 from __future__ import annotations
 
@@ -11,13 +11,12 @@ from nvcore.wording import duration_text
 
 T = TypeVar("T")
 Progress = Callable[[float, str], None]
-"""Called with the share done, 0..1, and a few words on what comes next.
+"""Callback with the share done, 0..1, and a few words on the next step.
 
-It may raise `concurrent.futures.CancelledError`: the work then stops and leaves nothing behind.
-"""
+It may raise `concurrent.futures.CancelledError`. The work then stops and leaves nothing behind."""
 
 SOON: Final = 0.03
-"""Share done from which on the time left is said."""
+"""Share done from which the time left is shown."""
 POLL_S: Final = 0.05
 """Poll interval for cancellation while other threads work, seconds."""
 
@@ -27,7 +26,7 @@ def no_progress(_share: float, _what: str) -> None:
 
 
 def part_of(progress: Progress, start: float, end: float) -> Progress:
-    """Progress of a part of the work, which is the share from `start` to `end` of the whole."""
+    """Return the progress of a part of the work, from the share `start` to `end` of the whole."""
 
     def tell(share: float, what: str) -> None:
         progress(start + (end - start) * share, what)
@@ -36,7 +35,7 @@ def part_of(progress: Progress, start: float, end: float) -> Progress:
 
 
 def with_time_left(progress: Progress) -> Progress:
-    """Words with the time left, estimated from the share done so far."""
+    """Add the time left, estimated from the share done so far, to the words."""
     began = time.perf_counter()
 
     def tell(share: float, what: str) -> None:
@@ -51,17 +50,17 @@ def with_time_left(progress: Progress) -> Progress:
 def run_steps(
     jobs: Sequence[Callable[[], T]], executor: Executor | None, progress: Progress, what: str
 ) -> list[T]:
-    """Results of all jobs, in their order.
+    """Run all jobs and return their results in order.
 
     Parameters
     ----------
     executor
-        Runs the jobs; None: this thread, one after another.
+        Executor of the jobs; None: run them in this thread, one after another.
     progress
-        Called from this thread before each job and at the end, and now and then while other
-        threads work. If it raises, jobs that run in other threads finish, and no other job starts.
+        Called from this thread before each job and at the end, and regularly while other threads
+        work. If it raises, running jobs in other threads finish, and no other job starts.
     what
-        Passed on to `progress`.
+        Words for `progress`.
     """
     if executor is None:
         results: list[T] = []

@@ -1,4 +1,4 @@
-"""Evaluation protocols: which pedestrians count in the detection measures."""
+"""Evaluation protocols: selection of the pedestrians that count in the detection measures."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ OCCLUSION_WORDS: Final = ("none", "partial", "heavy")
 """Levels of occlusion in words."""
 
 OWN: Final = "own filters"
-"""Name of a protocol other than `PROTOCOLS`."""
+"""Name of a protocol that is not one of `PROTOCOLS`."""
 
 MOST_NAMED: Final = 12
 """Most recordings that the description lists one by one."""
@@ -24,7 +24,10 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True)
 class Protocol:
-    """Which pedestrians and recordings count; every filter is optional.
+    """Selection of pedestrians and recordings. Every filter is optional.
+
+    A pedestrian excluded by a filter is ignored: it is not a miss, and detecting it is not a false
+    positive.
 
     A pedestrian that a filter leaves out is ignored: it is not a miss, and detecting it is not a
     false positive.
@@ -32,25 +35,24 @@ class Protocol:
     Attributes
     ----------
     name, text
-        Its name and one sentence.
+        Name, and description in one sentence.
     height_px
-        Lowest and highest box, both included, in pixels of the recording's own picture. The named
-        protocols follow Caltech and KAIST, whose pictures are 480 and 512 px high: in other
-        pictures the same number means another distance.
+        Smallest and largest box height, both included, in pixels of the recording's own picture.
+        The named protocols follow Caltech and KAIST, whose pictures are 480 and 512 px high. In
+        other pictures the same number means another distance.
     occlusion
-        Levels that count (0 none, 1 partial, 2 heavy). A box whose level is unknown counts where
-        0 does.
+        Levels that count (0 none, 1 partial, 2 heavy). A box of unknown level counts if 0 does.
     border_px
-        Margins left, top, right, bottom inside which the whole box must lie, px; None: any place.
+        Margins left, top, right, bottom inside which the whole box must lie, px; None: anywhere.
     aspect
         Lowest and highest ratio of height to width, both included.
     tags
-        Tags that a recording must have, all of them; (): every recording counts.
+        Tags that a recording must all have; (): every recording counts.
     recordings
-        Names of the recordings that count, among those with the tags; (): all of them.
+        Names of the recordings that count, among those with the tags; (): all.
     expand
         Detections lower than the lowest height divided by this, or higher than the highest times
-        this, are left out before matching (expanded filtering, Dollár et al. 2012, section 3.3);
+        this, are removed before matching (expanded filtering, Dollár et al. 2012, section 3.3);
         None: all detections are matched.
 
     Raises
@@ -100,14 +102,14 @@ class Protocol:
 
     @property
     def title(self) -> str:
-        """Its name and the recordings that it asks for, such as ``reasonable, night``."""
+        """Name and required recordings, such as ``reasonable, night``."""
         n = len(self.recordings)
         recordings_part = self.recordings if n < 2 else (f"{n} recordings",)
         return ", ".join((self.name, *self.tags, *recordings_part))
 
     @property
     def filters(self) -> tuple[str, ...]:
-        """What it asks for, in words; empty: all that the ground truth does not flag."""
+        """Descriptions of the filters, empty if all counts that the ground truth does not flag."""
         parts = []
         if self.height_px != (0, math.inf):
             parts.append(f"height {_range(self.height_px)} px")
@@ -133,7 +135,7 @@ class Protocol:
         return tuple(parts)
 
     def given(self) -> dict[str, object]:
-        """The entries of a session file: its name and recordings, or all its filters."""
+        """Return the entries of a session file: name and recordings, or else all filters."""
         start = PROTOCOLS.get(self.name, PROTOCOLS["all"])
         if _of_recordings(start, self) == self:
             name: dict[str, object] = {} if self.name == "all" else {"name": self.name}
@@ -148,21 +150,21 @@ class Protocol:
 
 
 FILTERS: Final = tuple(spec.name for spec in fields(Protocol) if spec.name not in ("name", "text"))
-"""The filters, by their names in a session file."""
+"""Names of the filters in a session file."""
 
 OF_RECORDINGS: Final = ("tags", "recordings")
-"""Filters that choose recordings: with them a named protocol keeps its name."""
+"""Filters that select recordings, with which a named protocol keeps its name."""
 
 
 def protocol_from(values: Mapping[str, object]) -> Protocol:
-    """A protocol from a mapping, such as a session file's ``[protocol]``.
+    """Create a protocol from a mapping, such as a session file's ``[protocol]``.
 
     Parameters
     ----------
     values
-        ``name``, one of `PROTOCOLS`, and filters by their names, which replace the protocol's;
-        without a name they are added to ``all``. With filters other than `OF_RECORDINGS` the name
-        becomes `OWN`.
+        ``name``, one of `PROTOCOLS`, and filters by name, which replace the protocol's. Without a
+        name they are added to ``all``. With filters other than `OF_RECORDINGS` the name becomes
+        `OWN`.
 
     Raises
     ------
@@ -185,12 +187,12 @@ def protocol_from(values: Mapping[str, object]) -> Protocol:
 
 
 def _of_recordings(protocol: Protocol, other: Protocol) -> Protocol:
-    """A protocol with the recordings of another."""
+    """Return a protocol with the recordings of another."""
     return replace(protocol, tags=other.tags, recordings=other.recordings)
 
 
 def protocol_named(name: object) -> Protocol:
-    """The protocol of that name.
+    """Return the protocol with this name.
 
     Raises
     ------
@@ -203,7 +205,7 @@ def protocol_named(name: object) -> Protocol:
 
 
 def _value(key: str, value: object) -> object:
-    """The value of a filter in the type that `Protocol` has."""
+    """Convert the value of a filter to the type that `Protocol` has."""
     kind, expected, lengths = {
         "height_px": (float, "two numbers, such as [50, inf]", (2,)),
         "aspect": (float, "two numbers, such as [1, inf]", (2,)),
@@ -295,7 +297,6 @@ _PROTOCOLS: Final = (
 PROTOCOLS: Final[Mapping[str, Protocol]] = MappingProxyType(
     {protocol.name: protocol for protocol in _PROTOCOLS}
 )
-"""The named protocols; their heights are pixels of pictures 480 (Caltech) or 512 px (KAIST) high.
+"""Named protocols. Their heights are pixels of pictures 480 (Caltech) or 512 px (KAIST) high.
 
-The border rule of both is x 5..635 in pictures 640 px wide, y 5..475 and 5..507.
-"""
+The border rule of both is x 5..635 in pictures 640 px wide, y 5..475 and 5..507."""

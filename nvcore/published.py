@@ -1,4 +1,4 @@
-"""Operating points that others published, to be seen beside the curves."""
+"""Published operating points of others, drawn beside the curves."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ _HIGHEST = {"recall": 1.0, "miss_rate": 1.0, "precision": 1.0, "fppi": 1e9, "fpp
 
 @dataclass(frozen=True, kw_only=True)
 class PublishedPoint:
-    """A point of somebody's detection curve, as far as it is known.
+    """Point of a published detection curve, perhaps with some values unknown.
 
     Attributes
     ----------
     name
-        Of the system or the source.
+        Name of the system or the source.
     recall, miss_rate
-        Share of the objects that are detected or missed; one of them is enough.
+        Share of the objects that are detected or missed. Exactly one of them is given.
     precision
         Share of the detections that are right.
     fppi, fppw
@@ -53,7 +53,7 @@ class PublishedPoint:
             raise ParameterError("expected precision, fppi or fppw beside it")
 
     def values(self) -> dict[str, float]:
-        """By the names of a curve's columns; NaN: not known."""
+        """Return the values by the names of a curve's columns, NaN if unknown."""
         known = {key: math.nan if value is None else value for key, value in self._numbers()}
         if self.recall is None:
             known["recall"] = 1 - known["miss_rate"]
@@ -62,7 +62,7 @@ class PublishedPoint:
         return known
 
     def given(self) -> dict[str, Any]:
-        """What is known, as a session file has it."""
+        """Return the known values as in a session file."""
         numbers = {key: value for key, value in self._numbers() if value is not None}
         return {"name": self.name, **numbers}
 

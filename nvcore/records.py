@@ -27,7 +27,7 @@ from nvcore.wording import did_you_mean, shortened
 
 T = TypeVar("T")
 MAX_BYTES: Final = 16 << 20
-"""Millions of frames, unless they were picked one by one; a hundred thousand recordings."""
+"""Largest record: millions of frames, unless selected one by one, or 100,000 recordings."""
 _WORDS: Final = {
     str: ("a text", "texts"),
     int: ("a whole number", "whole numbers"),
@@ -47,16 +47,16 @@ def read_record(path: Path, name: str, parse: Callable[[object], T], *, expected
     Parameters
     ----------
     name
-        Of the file, as the user gave it.
+        Name of the file as the user gave it.
     parse
-        From the content to the record. Raises ValueError or ParameterError if it is invalid.
+        Function from the content to the record. Raises ValueError or ParameterError if invalid.
     expected
         Expected content, for errors.
 
     Raises
     ------
     InputError
-        If it cannot be opened, or is no such record. A record is read as a whole or not at all.
+        If it cannot be opened, or is not a valid record. Records are never used in part.
     """
     try:
         if path.stat().st_size > MAX_BYTES:

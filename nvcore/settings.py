@@ -1,4 +1,4 @@
-"""How a dataset is compared unless the caller says otherwise."""
+"""Default settings for comparing a dataset."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ POINTS: Final[tuple[OperatingPoint, ...]] = get_args(OperatingPoint)
 
 
 def operating_point(name: str | None) -> OperatingPoint | None:
-    """The operating point of that name.
+    """Return the operating point with this name, None for None.
 
     Raises
     ------
@@ -34,12 +34,12 @@ def operating_point(name: str | None) -> OperatingPoint | None:
 
 MIN_FPS: Final = 0.001
 MAX_FPS: Final = 10_000.0
-"""Frame rates that are believed: from a picture every 17 minutes to the fastest cameras."""
+"""Largest plausible frame rate, of the fastest cameras. `MIN_FPS` is a picture every 17 minutes."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """How a dataset is to be compared; usually an `nvcore.inputs.session.Session`.
+    """Settings for comparing a dataset, usually an `nvcore.inputs.session.Session`.
 
     Attributes
     ----------
@@ -48,25 +48,25 @@ class Settings:
     params
         Settings of the analysis. Thresholds given here override those of the systems.
     protocol
-        Which pedestrians count in the detection measures.
+        Selection of the pedestrians that count in the detection measures.
     only_tags, only
-        Compare only recordings that have all of these tags, and of these only those so named, by
-        title or as in the data; (): all.
+        Compare only recordings that have all of these tags and one of these names (title or name in
+        the data); (): all.
     objects
-        What the boxes are of: which classes the readers keep unless told otherwise, and what the
-        texts call them.
+        Kind of objects in the boxes. It defines the classes that readers keep by default, and the
+        words for them in texts.
     published
         Operating points of others, drawn beside the curves.
     accept
-        Codes of errors of the audit that are meant: they are warnings.
+        Codes of audit errors that are intended, and so become warnings.
     codes
-        Stretches of recordings with a code, which is a class of the encounters that they overlap.
+        Intervals of recordings with a code, which is a class of the encounters that they overlap.
     primary
-        The measure by which the comparison is decided.
+        Measure that decides the comparison.
     operating_point
-        Where X and Y are set to unequally many false alarms: whether their numbers are with one
-        threshold moved, so that both have equally many, or as they are set. None: as set in files
-        and for programs, equal in dashboard and report. Claims are about equal ones either way.
+        Numbers to show if X and Y have unequal false alarms: as they are set, or with one threshold
+        moved to equalise them. None: as set in files and for programs, equal in dashboard and
+        report. Claims are about equal false alarms in any case.
     """
 
     x: str | None = None
@@ -89,14 +89,14 @@ class Settings:
         *,
         of: tuple[Sequence[str], Sequence[str]],
     ) -> Self:
-        """The same settings of data whose systems and recordings are called otherwise.
+        """Return the same settings with other names of systems and recordings.
 
         Parameters
         ----------
         systems, recordings
-            New names by the old ones; what is not named stays.
+            New names by the old ones. Others stay.
         of
-            Names of the data's systems and recordings until now.
+            Old names of the data's systems and recordings.
         """
         del of
         counting = new_names(self.protocol.recordings, recordings)
@@ -113,14 +113,14 @@ class Settings:
         )
 
     def names(self, x: str | None, y: str | None) -> tuple[str | None, str | None]:
-        """Names of X and Y: those given, else its own where the other is not called so."""
+        """Return the names of X and Y: the given ones, or its own if the other has another name."""
         own_x = None if self.x == y else self.x
         own_y = None if self.y == x else self.y
         return x or own_x, y or own_y
 
     @property
     def thresholds(self) -> tuple[float | None, ...]:
-        """Score threshold of each system, in their order; empty: every detection counts."""
+        """Score threshold of each system in order, empty if every detection counts."""
         return ()
 
 
@@ -132,10 +132,10 @@ def is_chosen(
 
 
 def as_names(names: str | Iterable[str]) -> tuple[str, ...]:
-    """Names that may be given as a single one."""
+    """Return one or several names as a tuple."""
     return (names,) if isinstance(names, str) else tuple(names)
 
 
 def new_names(names: Iterable[str], new: Mapping[str, str]) -> tuple[str, ...]:
-    """The names, those that are called otherwise by their new ones."""
+    """Return the names with the renamed ones replaced."""
     return tuple(new.get(name, name) for name in names)

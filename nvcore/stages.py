@@ -1,4 +1,4 @@
-"""What is known of a setting, and the stages of the comparison that settings belong to."""
+"""Definition of a setting, and the stages of the comparison that settings belong to."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from nvcore.subjects import contributed
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """A step of the comparison that reads settings.
+    """Step of the comparison that reads settings.
 
     Attributes
     ----------
     name
-        What it makes.
+        Name of its result.
     group
         Heading under which its settings are shown.
     after
-        The stages that it starts from: their settings move its result, too.
+        Stages that it starts from. Their settings change its result, too.
     result
-        What a reader calls what it makes; empty where nobody sees that by itself.
+        Reader's name for its result; empty if it is not shown by itself.
     """
 
     name: str
@@ -36,12 +36,12 @@ class Stage:
 
     @cached_property
     def before(self) -> frozenset[Stage]:
-        """The stage itself and all that come before it."""
+        """The stage itself and all earlier ones."""
         return frozenset({self}.union(*(stage.before for stage in self.after)))
 
 
 THRESHOLD: Final = Stage("detections that count", "Thresholds and matching")
-"""Not before `MATCH`: each system has its own, so the results of a system depend on one of them."""
+"""Not before `MATCH`, because each system has a threshold of its own and depends on only one."""
 MATCH: Final = Stage("matches", "Thresholds and matching", result="matches and false alarms")
 PROXIMITY: Final = Stage("weights of nearness", "Proximity")
 NEAREST: Final = Stage("nearest of the other set", "Similarity", (MATCH,))
@@ -59,56 +59,56 @@ SALIENCY: Final = Stage("saliency of recordings", "Saliency", (EVENTS,), "salien
 
 @cache
 def shown_results() -> tuple[Stage, ...]:
-    """The stages whose results are shown, in the order in which they are named."""
+    """Return the stages whose results are shown, in the order in which they are named."""
     own = (MATCH, SIMILARITY, LOW, ENCOUNTERS, SEVERITY, SALIENCY)
     return (*own, *chain(*contributed("results")))
 
 
 AUDITED: Final = (THRESHOLD, MATCH, PROXIMITY)
-"""Stages on whose settings findings of the audit depend."""
+"""Stages whose settings affect findings of the audit."""
 
 
 @dataclass(frozen=True, eq=False)
 class Setting:
-    """A live setting: what command line, sidebar, reports and docs say of it.
+    """Definition of a live setting for command line, sidebar, reports and docs.
 
     Attributes
     ----------
     stage
-        The first step of the comparison that it changes.
+        First stage of the comparison that it changes.
     default
-        None: taken from the data, or not applied.
+        Default value; None: taken from the data, or not applied.
     label
-        What a widget calls it, without a unit that `label_with_unit` adds. This and the next two
-        are templates with words of the objects (`nvcore.wording.objects`).
+        Label of its widget, without the unit that `label_with_unit` adds. This and the next two are
+        templates with words of the objects (`nvcore.wording.objects`).
     meaning
-        In whole sentences, for help texts.
+        Description in full sentences, for help texts.
     words
-        Of a choice: what a person reads, by value; None: a number.
+        Texts of a choice by value; None for a number.
     low, high, step, unit
-        Of a number.
+        Range, step and unit of a number.
     is_above_low
-        Whether the lower end is outside the range.
+        True if the lower end is outside the range.
     is_whole
-        Whether it is a whole number.
+        True for a whole number.
     slider_high
-        Where its slider ends, if the whole range is more than anyone needs.
+        End of its slider, if the whole range is more than anyone needs.
     slider_format
-        How its slider shows the value, if not as a number.
+        Format of the value at its slider, if not a plain number.
     height_share
-        The default as a share of the picture's height.
+        Default as a share of the picture's height.
     used_with
-        Another setting, and the values of that with which it is used; None: always used.
+        Another setting, and the values of that setting with which it is used; None: always used.
     unset
-        What holds without a value, for the switch above its slider; empty: no switch.
+        Text of the switch above its slider for having no value; empty: no switch.
     is_advanced
-        Whether it is rarely moved: its widget is folded away.
+        True if it is rarely changed, so that its widget is folded away.
     is_audited
-        Whether findings of the audit depend on it, though its stage is none of `AUDITED`.
+        True if findings of the audit depend on it although its stage is not in `AUDITED`.
     heading
-        The heading under which it is shown, where that is not its stage's.
+        Heading under which it is shown, if other than its stage's.
     applies
-        Whether a dataset has what the setting acts on; None: all have.
+        Returns True if the setting applies to a dataset; None: it applies to all.
     """
 
     stage: Stage
@@ -134,18 +134,18 @@ class Setting:
 
     @property
     def group(self) -> str:
-        """The heading under which it is shown."""
+        """Heading under which it is shown."""
         return self.heading or self.stage.group
 
     @property
     def label_with_unit(self) -> str:
-        """What a widget calls it: "Late after (s)"."""
+        """Label of its widget, such as "Late after (s)"."""
         is_symbol = self.unit in ("px", "m", "s")
         return f"{self.label} ({self.unit})" if is_symbol else self.label
 
     @property
     def acts_on(self) -> str:
-        """The results that it moves, in words: "similarity, low similarity"."""
+        """Results that it changes, in words, such as "similarity, low similarity"."""
         return ", ".join(stage.result for stage in shown_results() if self.moves([stage]))
 
     def moves(self, stages: Iterable[Stage]) -> bool:
@@ -163,12 +163,12 @@ class Setting:
         return f"{'more than ' if self.is_above_low else ''}{self.low:g} to {self.high:g}"
 
     def check(self, name: str, value: object) -> None:
-        """Refuse an impossible value.
+        """Refuse an invalid value.
 
         Raises
         ------
         ParameterError
-            With the name and the possible values.
+            If the value is invalid, with the name and the possible values.
         """
         if self.words is not None:
             if value not in tuple(self.words):
@@ -185,10 +185,10 @@ class Setting:
 
 
 def setting(stage: Stage, default: float | str | None, **known: Any) -> Any:
-    """A field of `Params`; `known` as of `Setting`."""
+    """Create a field of `Params`. `known` has further fields of `Setting`."""
     return field(default=default, metadata={"setting": Setting(stage, default, **known)})
 
 
 def share(stage: Stage, default: float | None, *, step: float = 0.05, **known: Any) -> Any:
-    """A field of `Params` from 0 to 1; `known` as of `Setting`."""
+    """Create a field of `Params` from 0 to 1. `known` has further fields of `Setting`."""
     return setting(stage, default, low=0, high=1, step=step, **known)
