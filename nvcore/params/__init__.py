@@ -1,9 +1,8 @@
-"""Every live setting of the comparison, defined once, in its field.
+"""All live settings of the comparison, each defined once, in its field.
 
-The command line makes its flags from `Params`, the dashboard its sliders, `compare` the keys of
-what it need not repeat. A new setting is a field of the topic that it belongs to (`similarity`,
-`judging`, `saliency`, or a subject's own); that is all it takes, but for its
-use, test and docs.
+`Params` defines the command line's flags, the dashboard's sliders, and the cache keys of `compare`.
+To add a setting, add a field to its topic (`similarity`, `judging`, `saliency`, or a subject's
+own), and its use, test and docs.
 """
 
 from __future__ import annotations
@@ -65,16 +64,16 @@ else:
 
 
 @dataclass(frozen=True)
-class Params(  # the last one's fields first
+class Params(  # fields of the last base come first
     OfSubjects,  # type: ignore[misc]
     SaliencySettings,
     JudgingSettings,
     SimilaritySettings,
 ):
-    """Settings of one comparison, checked when made.
+    """Settings of one comparison, validated on creation.
 
-    The metadata of each field is a `Setting`. None means: taken from the data (`edge_weight`,
-    `midpoint`, `spread`, `horizon`) or not applied (thresholds).
+    The metadata of each field is a `Setting`. None means that the value is taken from the data
+    (`edge_weight`, `midpoint`, `spread`, `horizon`) or not applied (thresholds).
 
     Raises
     ------
@@ -83,7 +82,7 @@ class Params(  # the last one's fields first
 
     References
     ----------
-    Paper 11-0360; the defaults marked as choices are argued in ``docs/metrics.md``.
+    Paper 11-0360. ``docs/metrics.md`` explains the defaults marked as choices.
     """
 
     def __post_init__(self) -> None:
@@ -93,18 +92,18 @@ class Params(  # the last one's fields first
             kind.check_together(self)
 
     def given(self) -> dict[str, float | str]:
-        """Settings by name, those that are None left out (for TOML and JSON)."""
+        """Return the settings by name, without those that are None (for TOML and JSON)."""
         return {name: value for name, value in asdict(self).items() if value is not None}
 
     def stated(self, dataset: object = None) -> dict[str, float | str | None]:
-        """All settings by name; those that act on what not all data have only if these data do.
+        """Return all settings by name, without unchanged ones that do not apply to the data.
 
         Or if they were changed.
 
         Parameters
         ----------
         dataset
-            None: not known.
+            None: unknown.
         """
         return {
             name: value
@@ -116,7 +115,7 @@ class Params(  # the last one's fields first
 
     @property
     def without_effect(self) -> tuple[str, ...]:
-        """Settings that are not at their default, and that the others leave without effect."""
+        """Changed settings that have no effect because of the values of others."""
         return tuple(
             name
             for name, known in SETTINGS.items()
@@ -126,15 +125,15 @@ class Params(  # the last one's fields first
         )
 
     def values_for(self, *stages: Stage) -> tuple[Any, ...]:
-        """Values of the settings that the results of these stages depend on."""
+        """Return the values of the settings that the results of these stages depend on."""
         return tuple(getattr(self, name) for name in settings_for(*stages))
 
     def only_for(self, *stages: Stage) -> Params:
-        """The settings that the results of these stages depend on, all others by default."""
+        """Return the settings that the results of these stages depend on, others by default."""
         return self._only(settings_for(*stages))
 
     def only_for_audit(self) -> Params:
-        """The settings that findings of the audit depend on, all others by default."""
+        """Return the settings that findings of the audit depend on, others by default."""
         return self._only(AUDIT_SETTINGS)
 
     def _only(self, names: Iterable[str]) -> Params:
@@ -144,7 +143,7 @@ class Params(  # the last one's fields first
 SETTINGS: Final[dict[str, Setting]] = {
     spec.name: spec.metadata["setting"] for spec in fields(Params)
 }
-"""What is known of every setting, by name, in the order in which they are shown."""
+"""Definition of every setting, by name, in display order."""
 AUDIT_SETTINGS: Final = tuple(
     name for name, known in SETTINGS.items() if known.is_audited or known.stage in AUDITED
 )
@@ -153,7 +152,10 @@ AUDIT_SETTINGS: Final = tuple(
 
 @cache
 def settings_for(*stages: Stage) -> tuple[str, ...]:
-    """Names of the settings that the results of these stages depend on.
+    """Return the names of the settings that the results of these stages depend on.
+
+    These are the settings of the stages and of all earlier ones. A threshold is only included if
+    `THRESHOLD` is one of the stages.
 
     Those of the stages and of all that come before them; a threshold only if `THRESHOLD` is one of
     them.
@@ -163,7 +165,7 @@ def settings_for(*stages: Stage) -> tuple[str, ...]:
 
 
 def params_from(values: Mapping[str, object]) -> Params:
-    """`Params` from a mapping by name, such as a session file's ``[parameters]``.
+    """Create `Params` from a mapping by name, such as a session file's ``[parameters]``.
 
     Raises
     ------

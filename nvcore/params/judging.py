@@ -1,4 +1,4 @@
-"""Settings by which boxes, encounters and frames are judged: matched, detected, late, low."""
+"""Settings for judging boxes, encounters and frames: matched, detected, late, low."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MatchClass = Literal["any", "same"]
 
 @dataclass(frozen=True)
 class JudgingSettings:
-    """The part of `nvcore.params.Params` with thresholds, matching and limits."""
+    """Settings in `nvcore.params.Params` for thresholds, matching and limits."""
 
     threshold_x: float | None = setting(
         THRESHOLD,

@@ -1,4 +1,4 @@
-"""Named settings for usual traffic."""
+"""Named settings for common kinds of traffic."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
 
 @dataclass(frozen=True)
 class Preset:
-    """A named choice of traffic context, of the height at which an object is near, and of coverage.
+    """Named choice of traffic context, height of near objects, and coverage.
 
     Attributes
     ----------
     name
-        As shown.
+        Name as shown.
     text
-        What it is for, in a sentence.
+        Purpose in one sentence.
     edge_weight
-        See `Params.edge_weight`; None: as each recording says.
+        See `Params.edge_weight`; None: as stated by each recording.
     midpoint_share, spread_share
         Midpoint and spread of the height sigmoid, as shares of the picture's height.
     coverage
         See `Params.coverage`.
     objects
-        What it is for; None: anything.
+        Objects that it is made for; None: any.
     """
 
     name: str
@@ -38,7 +38,10 @@ class Preset:
     objects: Objects | None = None
 
     def values(self, height: float | None) -> dict[str, float | str | None]:
-        """All parameters but the thresholds, for pictures of this height in px.
+        """Return all parameters except the thresholds, for pictures of this height in px.
+
+        Midpoint and spread are None, so that they come from each recording, if they are the default
+        shares or the height is unknown.
 
         Midpoint and spread are None, taken from each recording, where they are the default
         shares or the height is unknown.
@@ -96,9 +99,9 @@ PRESETS: Final = (
         objects=SPEED_SIGN,
     ),
 )
-"""All presets; the first is the default."""
+"""All presets, the default first."""
 
 
 def presets_for(objects: Objects) -> tuple[Preset, ...]:
-    """The presets that make sense for these objects, the default first."""
+    """Return the presets that make sense for these objects, the default first."""
     return tuple(preset for preset in PRESETS if preset.objects in (None, objects))

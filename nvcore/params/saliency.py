@@ -1,4 +1,4 @@
-"""Settings of saliency: which misses make events, and what events weigh."""
+"""Settings of saliency: definition of events, and their weights."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ RecencyUnit = Literal["share", "seconds"]
 
 @dataclass(frozen=True)
 class SaliencySettings:
-    """The part of `nvcore.params.Params` that saliency events and their weights depend on."""
+    """Settings in `nvcore.params.Params` for saliency events and their weights."""
 
     tolerance: float = share(
         SALIENT,

@@ -1,4 +1,4 @@
-"""Settings of similarity: distances, traffic context, and how the proximity of a box is found."""
+"""Settings of similarity: distances, traffic context, and proximity of boxes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The traffic context of a recording: from 0, urban, to 1, rural."""
+"""Traffic context of a recording: from 0, urban, to 1, rural."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from nvcore.wording import listed
 CONTEXTS: Final = {"urban": 0.0, "rural": 1.0}
 """Words for the two ends of the scale."""
 UNSTATED: Final = 0.0
-"""Context of a recording that states none."""
+"""Context of a recording that does not state it."""
 
 
 def parse_context(value: object) -> float:
-    """A context as a number from 0 to 1, from a word, a number, or a number as text.
+    """Convert a word, a number, or a number as text to a context from 0 to 1.
 
     Raises
     ------
     ValueError
-        If it is none of them, or out of range.
+        If it is something else, or out of range.
 
     Examples
     --------
@@ -39,7 +39,7 @@ def parse_context(value: object) -> float:
 
 
 def context_word(value: float) -> str | float:
-    """The word for an end of the scale, else the number.
+    """Return the word for an end of the scale, or else the number.
 
     Examples
     --------
@@ -50,7 +50,7 @@ def context_word(value: float) -> str | float:
 
 
 def count_contexts(contexts: Iterable[float]) -> str:
-    """How many recordings state which context; NaN: not stated.
+    """Describe how many recordings state each context, with NaN for those that do not.
 
     Examples
     --------
