@@ -1,4 +1,4 @@
-"""Urgent encounters, one by one: when each system confirmed them, and what was left then."""
+"""Urgent encounters, one by one: the confirmation by each system, and the time left then."""
 
 from __future__ import annotations
 
@@ -13,22 +13,23 @@ from nvcore.time_left.kinds import TimeLeft
 from nvcore.time_left.steps import confirmed_by, time_left_in
 
 QUADRANTS: Final = ("both", "only_x", "only_y", "neither")
-"""Who confirmed an urgent encounter in time."""
+"""Systems that confirmed an urgent encounter in time."""
 
 
 def urgent_encounters(result: Result) -> pd.DataFrame:
-    """The urgent encounters, those that the car would hit fastest first.
+    """Return the urgent encounters, fastest impacts first.
 
-    That is by the larger impact speed of X and Y, then by their sum, then by the smaller margin.
+    They are sorted by the larger impact speed of X and Y, then by the sum of both, then by the
+    smaller margin.
 
     Returns
     -------
-    Rows of `nvcore.tables.result.encounters_table`, the index being the row in
-    ``result.encounters``, with further columns. Rows of the frames table: first_row, urgent_row
-    (the last chance), confirmed_row_x, confirmed_row_y (-1 never). Seconds before contact, which
-    is taken to come when the time to contact at the last chance says: first_s and last_s (first and
-    last annotated frame; negative: after it), ttc_s (last chance), confirmed_s_x, confirmed_s_y
-    (NaN never). And speed_kmh, and in_time: one of `QUADRANTS`.
+    Rows of `nvcore.tables.result.encounters_table`, indexed by the row in ``result.encounters``,
+    with further columns. Rows of the frames table: first_row, urgent_row (the last chance),
+    confirmed_row_x, confirmed_row_y (-1 never). Seconds before contact, whose time follows from the
+    time to contact at the last chance: first_s and last_s (first and last annotated frame;
+    negative: after contact), ttc_s (last chance), confirmed_s_x, confirmed_s_y (NaN never). Also
+    speed_kmh and in_time (one of `QUADRANTS`).
     """
     rows = np.flatnonzero(time_left_in(result).is_urgent)
     encounters, time_s = result.encounters, result.dataset.frames["time_s"].to_numpy()
@@ -58,23 +59,23 @@ def urgent_encounters(result: Result) -> pd.DataFrame:
 
 
 def count_in_time(urgent: pd.DataFrame) -> dict[str, int]:
-    """Urgent encounters by who confirmed them in time, for each of `QUADRANTS`.
+    """Count urgent encounters by the systems that confirmed them in time, for each of `QUADRANTS`.
 
     Parameters
     ----------
     urgent
-        Of `urgent_encounters`.
+        Result of `urgent_encounters`.
     """
     return {name: int((urgent["in_time"] == name).sum()) for name in QUADRANTS}
 
 
 def nearest_contact(result: Result, recording: int) -> pd.DataFrame:
-    """Who is nearest to contact in each frame of a recording.
+    """Find the pedestrian nearest to contact in each frame of a recording.
 
     Returns
     -------
-    One row per frame: ttc_s (least time to contact, s; inf: nobody there is being approached, NaN:
-    unknown, or nobody is there), encounter (row of ``result.encounters``; -1 where unknown).
+    One row per frame: ttc_s (least time to contact, s; inf: no pedestrian is being approached, NaN:
+    unknown, or no pedestrian), encounter (row of ``result.encounters``; -1 if unknown).
     """
     truth, rows = result.dataset.truth, result.dataset.frame_columns.rows_of(recording)
     boxes = truth.rows_of(rows.start, rows.stop)
@@ -91,7 +92,9 @@ def nearest_contact(result: Result, recording: int) -> pd.DataFrame:
 
 
 def contact_at(result: Result, encounter: np.ndarray, frame_row: np.ndarray) -> np.ndarray:
-    """Time to contact of encounters, each in one frame, s; NaN: unknown, or not annotated there.
+    """Return the time to contact of encounters in one frame each, s, NaN if unknown.
+
+    It is unknown, too, if the encounter is not annotated in that frame.
 
     Parameters
     ----------

@@ -91,7 +91,7 @@ IN_TIME_WORDS: Final = {
 }
 """Words for the systems that confirm an urgent encounter in time."""
 CORNERS: Final = {"both": (1, 1), "only_x": (1, 0), "only_y": (0, 1), "neither": (0, 0)}
-"""Corner of the plot of each, as shares of its width and height."""
+"""Corner of the plot for each of these, as shares of its width and height."""
 WORD_SHARE: Final = (0.3, 0.2)
 """Share of the plot's width and height that is free for the word in a corner."""
 MOST_MARKS: Final = 2000
@@ -279,7 +279,7 @@ def over_speed_plot(
     theme: Theme,
     measure: OverSpeed = "share_in_time",
 ) -> go.Figure:
-    """Plot a measure of X and Y over the speed, with where the order turns.
+    """Plot a measure of X and Y over the speed, marking changes of the order.
 
     Parameters
     ----------
@@ -287,7 +287,8 @@ def over_speed_plot(
         Curve from `nvcore.time_left.judging.curve_over_speed`.
     speed_kmh
         Marked speed that all recordings are assumed to have
-        (`nvcore.comparison.Result.assumed_speed_kmh`). None: some recordings state their own, which
+        (`nvcore.time_left.steps.TimeLeftView.assumed_speed_kmh`). None: some recordings state their
+        own, which
         the curve replaces.
     measure
         ``share_in_time`` (higher is better) or ``mean_impact_kmh`` (lower is better).
@@ -536,12 +537,12 @@ LANES: Final = Lanes(_contact_strip, _chances_in_lanes, _to_contact)
 
 
 def time_left(result: Result, *, theme: Theme) -> go.Figure:
-    """Urgent encounters up to contact, with the last chance and when X and Y confirm."""
+    """Plot urgent encounters up to contact, with the last chance and the confirmations."""
     return approach_plot(result, urgent_encounters(result), theme=theme)
 
 
 def over_speed(result: Result, measure: OverSpeed = "share_in_time", *, theme: Theme) -> go.Figure:
-    """Time left of X and Y over the speed of the car.
+    """Plot the time left of X and Y over the speed of the car.
 
     Parameters
     ----------
@@ -556,7 +557,7 @@ def over_speed(result: Result, measure: OverSpeed = "share_in_time", *, theme: T
 
 
 def margins(result: Result, *, theme: Theme) -> go.Figure:
-    """Margins before the last chance at which X and Y confirm each urgent pedestrian."""
+    """Plot the margins before the last chance at which X and Y confirm each urgent pedestrian."""
     return margins_plot(result, urgent_encounters(result), theme=theme)
 
 

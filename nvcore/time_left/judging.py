@@ -37,7 +37,7 @@ class Contact:
         box. float64, shape (n_truth,).
     is_sampled, is_linked
         Reasons for an unknown time of a whole encounter: the frames are a sample, or the track was
-        linked by us. bool, shape (n_encounters,).
+        created by our linking. bool, shape (n_encounters,).
     """
 
     ttc_s: np.ndarray
@@ -216,7 +216,7 @@ def judge_time_left(
     -------
     One row per encounter: time_left (`TimeLeft`, None where not urgent), margin_s
     (from confirmation to the first urgent frame, seconds, more is better; NaN unless urgent and
-    confirmed), impact_kmh (0 is best; NaN where not urgent).
+    confirmed), impact_kmh (0 is best; NaN if not urgent).
 
     Notes
     -----
@@ -291,7 +291,7 @@ def curve_over_speed(
     -------
     One row per speed of `SPEEDS_KMH`: speed_kmh, urgent (encounters), and for X and Y in_time_x,
     in_time_y (encounters), share_in_time_x, share_in_time_y, mean_impact_kmh_x, mean_impact_kmh_y
-    (NaN where nobody is urgent).
+    (NaN if no encounter is urgent).
     """
     rows = []
     for speed_kmh in SPEEDS_KMH:

@@ -8,12 +8,14 @@ from nvcore.metrics.kernels import compiled
 from nvcore.schema import EDGE_PX
 
 LEAST_FRAMES = 5
-"""Fewest frames of a line through distances or inverse heights."""
+"""Fewest frames for fitting a line to distances or inverse heights."""
 
 
 @compiled
 def contact_time(t, q, counts, start, stop, now):
-    """Time to contact at `now` by the line through what counts of ``start:stop``; s.
+    """Return the time to contact at `now` by the line through the counted frames ``start:stop``, s.
+
+    Infinite if not closing, NaN with too few frames.
 
     Infinite: not closing. NaN: too few frames.
     """
@@ -70,7 +72,12 @@ def contact_frames(
     is_judged,
     ttc,
 ):
-    """Time to contact of each truth row of the encounters that are judged, s.
+    """Compute the time to contact of each truth row of the judged encounters, s.
+
+    ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
+    `frame_index` has the frames of these rows in the same order. If a frame has several boxes of an
+    encounter (a track id given twice), the nearest counts. The rows of other encounters are not
+    changed.
 
     ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
     `frame_index` has the frames of these rows in the same order. Of the boxes of one frame (a track
@@ -115,7 +122,10 @@ def contact_frames(
 
 @compiled
 def urgent_frames(lo, hi, offsets, order, frame_index, ttc, needed, least, known, urgent):
-    """Least time to contact of every encounter, and where it is first known and first urgent.
+    """Find every encounter's least time to contact, and where it is first known and first urgent.
+
+    Writes seconds (NaN: never known) and positions in `order` (-1: nowhere). `needed` is indexed by
+    frame row.
 
     Writes seconds (NaN: unknown throughout) and places in `order` (-1: nowhere). `needed` is by
     frame row.
@@ -135,7 +145,7 @@ def urgent_frames(lo, hi, offsets, order, frame_index, ttc, needed, least, known
 
 @compiled
 def confirmed_frames(lo, hi, offsets, order, frame_index, matched, ttc, n, m, confirmed, ttc_at):
-    """Where `n` of the last `m` frames of each encounter are matched for the first time.
+    """Find where `n` of the last `m` frames of each encounter are matched for the first time.
 
     Writes the frame row (-1: never) and the last known time to contact until then (NaN: none).
     """

@@ -1,4 +1,4 @@
-"""Kinds of encounters by the time that is left."""
+"""Kinds of encounters by the time left."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class Urgency(StrEnum):
-    """Whether an encounter leaves time to brake; the first that holds, in this order."""
+    """Urgency of an encounter: the first of these, in this order, that applies."""
 
     UNKNOWN = "unknown"
     NOT_URGENT = "not_urgent"
@@ -16,7 +16,7 @@ class Urgency(StrEnum):
 
 
 class TimeLeft(StrEnum):
-    """Whether a system confirmed an urgent pedestrian while the car could still stop."""
+    """Outcome of an urgent encounter: confirmed while the car could still stop, later, or never."""
 
     IN_TIME = "in_time"
     LATE = "late"

@@ -1,4 +1,4 @@
-"""Measures of time left: urgent pedestrians confirmed in time, and how fast the others are hit."""
+"""Measures of time left: urgent pedestrians confirmed in time, and impact speeds of the others."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _NOBODY: Final = "no encounter is urgent"
 
 
 def time_left_by_recording(kind: TimeLeft) -> Callable[[Result, SystemResult], np.ndarray]:
-    """Urgent encounters of a class by recording; int64, shape (n_recordings,)."""
+    """Return a function that counts a class of urgent encounters by recording, (n_recordings,)."""
 
     def counts(result: Result, system: SystemResult) -> np.ndarray:
         return per_recording(result, is_of_class(system, kind), result.encounters.recording).astype(
@@ -46,27 +46,30 @@ def time_left_by_recording(kind: TimeLeft) -> Callable[[Result, SystemResult], n
 
 
 def split_in_time(result: Result) -> Venn:
-    """Urgent encounters by who confirmed them in time; all others count as distant."""
+    """Count urgent encounters by the systems that confirmed them in time.
+
+    All other encounters count as distant.
+    """
     is_urgent = time_left_in(result).is_urgent
     x, y = (is_in_time(system) & is_urgent for _, system in result.sides)
     return count_categories(categorise(~is_urgent, x, y))
 
 
 def in_time_parts(result: Result, system: SystemResult) -> Parts:
-    """The urgent encounters that the system confirmed in time."""
+    """Return the urgent encounters that the system confirmed in time."""
     is_part = time_left_in(result).is_urgent & is_in_time(system)
     return Parts(result.encounters.first_row[is_part], None)
 
 
 def impact_parts(result: Result, system: SystemResult) -> Parts:
-    """Impact speed of each urgent encounter, km/h."""
+    """Return the impact speed of each urgent encounter, km/h."""
     is_urgent = time_left_in(result).is_urgent
     impact_kmh = time_left_of(system)["impact_kmh"].to_numpy()
     return Parts(result.encounters.first_row[is_urgent], impact_kmh[is_urgent])
 
 
 def impact_by_recording(result: Result, system: SystemResult) -> np.ndarray:
-    """Mean impact speed of each recording's urgent encounters, km/h; NaN without any."""
+    """Return the mean impact speed of each recording's urgent encounters, km/h, NaN without any."""
     is_urgent, recording = time_left_in(result).is_urgent, result.encounters.recording
     impact_kmh = np.where(is_urgent, time_left_of(system)["impact_kmh"], 0.0)
     with np.errstate(invalid="ignore"):
@@ -91,7 +94,7 @@ def _median_margin_s(result: Result, system: SystemResult) -> float:
 def _count(
     kind: TimeLeft, label: str, better: Better, meaning: str, inference: Inference | None = None
 ) -> Measure:
-    """Number of urgent encounters of a class."""
+    """Create the measure of the number of urgent encounters of a class."""
     return Measure(
         key=kind.value,
         label=label,
@@ -196,4 +199,4 @@ MEASURES: Final[tuple[Measure, ...]] = (
 )
 
 COUNTS: Final = {"n_urgent": lambda result: time_left_in(result).is_urgent}
-"""Encounters that labels and shares of measures are of; bool, shape (n_encounters,)."""
+"""Encounters used as denominators of measures and in labels, bool, shape (n_encounters,)."""

@@ -1,4 +1,4 @@
-"""Section about time left: encounters confirmed in time, and the effect of the speed."""
+"""Report section on time left: encounters confirmed in time, and the effect of the speed."""
 
 from __future__ import annotations
 

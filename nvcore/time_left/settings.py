@@ -14,7 +14,7 @@ CONFIRMED: Final = Stage("pedestrians confirmed", "Time left", (MATCH,))
 TIME_LEFT: Final = Stage("time left", "Time left", (URGENCY, CONFIRMED), "time left")
 
 RESULTS: Final = (TIME_LEFT,)
-"""The stages whose results are shown."""
+"""Stages whose results are shown."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class TimeLeftSettings:
     )
 
     def check_together(self) -> None:
-        """Raise an error if values contradict one another.
+        """Check that values do not contradict one another.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""What time left adds to a comparison: its steps, and what they made as one view."""
+"""Additions of time left to a comparison: its steps, and a view of their results."""
 
 from __future__ import annotations
 
@@ -56,34 +56,34 @@ STEPS: Final = (
 
 
 def only_urgent_of(made: Mapping[str, Any], is_member: np.ndarray) -> dict[str, Any]:
-    """What the steps made, with no encounters urgent but these."""
+    """Return the step results with only these encounters urgent."""
     urgency = made["urgency"]
     kinds = np.where(is_member, urgency["urgency"], Urgency.NOT_URGENT.value)
     return {"urgency": urgency.assign(urgency=kinds)}
 
 
 def confirmed_by(system: SystemResult) -> pd.DataFrame:
-    """When a system is sure of each pedestrian (`nvcore.time_left.judging.confirm`)."""
+    """Return a system's confirmation of each pedestrian (`nvcore.time_left.judging.confirm`)."""
     return cast("pd.DataFrame", system.made["confirmed"])
 
 
 def time_left_of(system: SystemResult) -> pd.DataFrame:
-    """Whether a system was in time (`nvcore.time_left.judging.judge_time_left`)."""
+    """Return a system's time left (`nvcore.time_left.judging.judge_time_left`)."""
     return cast("Judgement", system.made["time_left"]).time_left
 
 
 def is_in_time(system: SystemResult) -> np.ndarray:
-    """Urgent encounters that the system confirmed in time; bool, shape (n_encounters,)."""
+    """Return which urgent encounters the system confirmed in time, bool, (n_encounters,)."""
     return is_of_class(system, TimeLeft.IN_TIME)
 
 
 def count_time_left(system: SystemResult, kind: TimeLeft) -> int:
-    """Urgent encounters of a class."""
+    """Count the urgent encounters of a class."""
     return int(np.count_nonzero(is_of_class(system, kind)))
 
 
 def is_of_class(system: SystemResult, kind: TimeLeft) -> np.ndarray:
-    """Urgent encounters of a class; bool, shape (n_encounters,)."""
+    """Return which encounters are urgent ones of a class, bool, shape (n_encounters,)."""
     is_kind: np.ndarray = time_left_of(system)["time_left"].to_numpy() == kind.value
     return is_kind
 
@@ -101,22 +101,22 @@ class TimeLeftView:
 
     @property
     def urgency(self) -> pd.DataFrame:
-        """Whether and when each encounter is urgent (`nvcore.time_left.judging.find_urgent`)."""
+        """Urgency of each encounter and its start (`nvcore.time_left.judging.find_urgent`)."""
         return cast("pd.DataFrame", self.result.made["urgency"])
 
     @cached_property
     def is_urgent(self) -> np.ndarray:
-        """Encounters in which the driver had to be told in time; bool, shape (n_encounters,)."""
+        """Encounters in which the driver needed a timely warning, bool, shape (n_encounters,)."""
         urgent: np.ndarray = self.urgency["urgency"].to_numpy() == Urgency.URGENT.value
         return urgent
 
     def count_urgency(self) -> dict[Urgency, int]:
-        """Encounters of each urgency."""
+        """Count the encounters of each urgency."""
         return {kind: int((self.urgency["urgency"] == kind.value).sum()) for kind in Urgency}
 
     @property
     def has_assumed_speed(self) -> np.ndarray:
-        """Recordings with frames in which no speed is stated; bool, shape (n_recordings,)."""
+        """Recordings with frames without a stated speed, bool, shape (n_recordings,)."""
         frames = self.result.dataset.frame_columns
         of_unknown = frames.recording[np.isnan(frames.speed_kmh)]
         is_assumed: np.ndarray = np.bincount(of_unknown, minlength=len(frames.fps)) > 0
@@ -124,7 +124,7 @@ class TimeLeftView:
 
     @property
     def assumed_speed_kmh(self) -> float | None:
-        """The speed that is assumed in all frames; None: some recordings state their own."""
+        """Speed assumed in all frames, or None if some recordings state their own."""
         is_assumed = np.isnan(self.result.dataset.frame_columns.speed_kmh).all()
         return float(self.result.params.speed_kmh) if is_assumed else None
 
@@ -143,5 +143,5 @@ class TimeLeftView:
 
 
 def time_left_in(result: Result) -> TimeLeftView:
-    """Time left in a comparison: what ``result.of("time_left")`` returns."""
+    """Return the view of time left in a comparison, as ``result.of("time_left")`` does."""
     return cast("TimeLeftView", result.of("time_left"))
