@@ -1,4 +1,4 @@
-"""What alerts add to the CSV files of a report."""
+"""Columns that alerts add to the CSV files of a report."""
 
 from __future__ import annotations
 

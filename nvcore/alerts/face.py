@@ -16,29 +16,30 @@ from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_run
 
 FILES = ("alerts.csv", "alert_curve.csv", "speeding.csv")
-"""The files that `write_alerts` writes; the last only where there are speed alerts."""
+"""Files that `write_alerts` writes; the last one only if there are speed alerts."""
 
 
 def judge_alerts(
     source: PathLike | Session | Dataset, *, policy: PathLike | None = None, **settings: Any
 ) -> AlertsView:
-    """Which detections of X and Y reach the driver as alerts, and which were worth it.
+    """Judge which detections of X and Y reach the driver as alerts, and which ones were worth it.
 
     Parameters
     ----------
     source
         A session file, a session, or a dataset made by `load`.
     policy
-        By which detections become alerts: ``"cautious"``, ``"balanced"``, ``"eager"``, or a TOML
-        file (docs/alerts.md). None: each system's own log where the session names one, else its
-        settings. A policy that the session names for a system goes before it.
+        Policy that turns detections into alerts: ``"cautious"``, ``"balanced"``, ``"eager"``, or a
+        TOML file (docs/alerts.md). None: each system's own log if the session names one, else its
+        settings. A policy that the session names for a system has priority.
     settings
-        As of `load`, such as ``alert_pause_s=5`` or ``x="FIR"``; they go before the policy.
+        Settings of `load`, such as ``alert_pause_s=5`` or ``x="FIR"``. They have priority over the
+        policy.
 
     Returns
     -------
     AlertsView
-        With `table` (a row per alert), `curve`, and what they are counted by in `result`.
+        View with `table` (a row per alert), `curve`, and the underlying comparison in `result`.
 
     Raises
     ------
@@ -64,7 +65,7 @@ def write_alerts(folder: Path, alerts: AlertsView) -> None:
     Raises
     ------
     InputError
-        If it cannot be written to, or holds the run of another command.
+        If the folder cannot be written to, or holds the run of another command.
     """
     curve = alerts.curve.assign(
         threshold=alerts.curve["threshold"].replace(float("-inf"), float("nan"))

@@ -23,7 +23,7 @@ KIND_PX: Final = 64
 APART: Final = 0.16
 """Distance of X and Y from the middle of a row, in rows."""
 POINTS: Final = (("policy", 5, ""), ("in use", 13, ", in use"), ("log", 15, ", its log"))
-"""Points of the trade-off: size of their marks, and the end of their name."""
+"""Points of the trade-off: size of their marks, and suffix of their name."""
 
 
 def alerts_over_time(result: Result, recording: int, theme: Theme) -> go.Figure:

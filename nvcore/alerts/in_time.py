@@ -1,9 +1,10 @@
 """Chance that drivers react to alerts soon enough to stop for urgent encounters.
 
-Detection, alert, reaction, foot, brakes: the driver answers after a time drawn from a lognormal
-distribution by the kind of alert, then the foot moves and the brakes build up. All kinds, draws and
-systems are judged on the same encounters, those that are urgent in the comparison: who is urgent
-depends on the reaction time, and with a set of its own for each kind the order of X and Y can turn.
+The sequence is detection, alert, reaction, foot, brakes. The driver reacts after a time drawn from
+a lognormal distribution by the kind of alert, then the foot moves and the brakes build up. All
+kinds, draws and systems are judged on the same encounters, those that are urgent in the comparison.
+Urgency depends on the reaction time, so different sets for each kind could reverse the order of X
+and Y.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ DRIVER_WORDS: Final = {
     "not_known": "not known",
     "all": "all",
 }
-"""Rows of `InTime.of_hundred`: what the driver does."""
+"""Rows of `InTime.of_hundred`: texts for the driver's view."""
 NEVER: Final = -np.inf
 """Slack of an encounter without an alert."""
 
@@ -46,7 +47,7 @@ class Reaction:
     Attributes
     ----------
     mean_s, sd_s
-        Of the reaction times, seconds; without spread (0) each driver takes the mean.
+        Mean and SD of the reaction times, seconds. With an SD of 0 each driver takes the mean.
     """
 
     mean_s: float
@@ -64,7 +65,8 @@ REACTIONS: Final[Mapping[str, Reaction]] = {
     "audio": Reaction(2.171, 0.7662),
     "haptic": Reaction(1.245, 0.3895),
 }
-"""By kind of alert: mean and SD of 11 persons, onset to tap (Aalborg 2015, experiment 2)."""
+"""Reactions by kind of alert: mean and SD of 11 persons, onset to tap (Aalborg 2015, experiment 2).
+"""
 
 
 def slack_at_onset(
@@ -77,12 +79,12 @@ def slack_at_onset(
     *,
     reaction_s: float,
 ) -> pd.DataFrame:
-    """Return how long the driver may take to react to an alert and still stop, by encounter.
+    """Return the time that the driver may take to react to an alert and still stop, by encounter.
 
-    Time to contact less the time that braking takes, at the onset. Time to contact is measured with
-    noise, so the least value of all frames up to the onset counts: an alert after the last chance
-    is late even where a later frame seems to give time again, as in the time left. Nor is
-    there more than `reaction_s` at the last chance, however slowly the car seems to close before.
+    This is the time to contact at the onset minus the time needed for braking. Time to contact is
+    measured with noise, so the least value of all frames up to the onset counts. As in the time
+    left, an alert after the last chance is late even if a later frame seems to give time again. The
+    slack at the last chance is at most `reaction_s`, however slowly the car seemed to close before.
 
     Parameters
     ----------
@@ -92,19 +94,19 @@ def slack_at_onset(
     braking_s
         ``v / (2 * deceleration)`` of each frame, seconds; shape (n_frames,).
     time_s
-        Of each frame within its recording, seconds; shape (n_frames,).
+        Time of each frame within its recording, seconds; shape (n_frames,).
     onset_row, last_row
-        Frame row in which the alert begins, of each encounter (-1: it gets none), and that of its
-        last chance (-1: there is none, so it is not capped). int64, shape (n_encounters,).
+        Frame row of each encounter's alert onset (-1: no alert) and last chance (-1: none, so the
+        slack is not capped). int64, shape (n_encounters,).
     reaction_s
-        By which the last chance was found, seconds.
+        Reaction time used for the last chance, seconds.
 
     Returns
     -------
     One row per encounter: slack_s (`NEVER` without an alert; NaN: no time to contact is known) and
-    ttc_s at the onset, seconds (that of the nearest earlier frame where it is known; NaN without an
-    alert). Where none is known up to the onset, both are those of the first known frame and the
-    time that passes until then. Both are finite where there is a last chance.
+    ttc_s at the onset, seconds (from the nearest earlier frame with a known time; NaN without an
+    alert). If none is known up to the onset, both come from the first known frame, plus the time
+    until then. Both are finite if there is a last chance.
     """
     n = len(encounters)
     encounter = np.repeat(np.arange(n), np.diff(encounters.offsets))
@@ -145,21 +147,21 @@ def draw(
 ) -> dict[str, np.ndarray]:
     """Judge the encounters once for each random draw of the drivers' reaction times.
 
-    In time: ``slack >= reaction + after_s``, as an encounter is urgent below that. Else the car
-    hits at ``sqrt(v^2 - 2 * deceleration * v * (ttc at onset - reaction - after_s))``, without an
-    alert at v (``docs/metrics.md``, time left).
+    An encounter is in time if ``slack >= reaction + after_s``, as it is urgent below that.
+    Otherwise the car hits at ``sqrt(v^2 - 2 * deceleration * v * (ttc at onset - reaction -
+    after_s))``, or at v without an alert (``docs/metrics.md``, time left).
 
     Parameters
     ----------
     onset
-        Rows of `slack_at_onset`, of the encounters that are judged.
+        Rows of `slack_at_onset` for the judged encounters.
     speed_kmh, unit
-        Speed at the last chance, km/h, and number of the unit, from 0, of each of them.
+        Speed at the last chance, km/h, and number of the unit, from 0, of each encounter.
     after_s
         Movement of the foot and build-up of the brakes, seconds.
     normal
-        Standard normal draws, shape (n_draws, n): the same for all systems and kinds, so that only
-        they make the difference.
+        Standard normal draws, shape (n_draws, n), the same for all systems and kinds, so that only
+        these differ.
 
     Returns
     -------
@@ -181,21 +183,21 @@ def draw(
 def intervals(sums: np.ndarray, n: np.ndarray) -> dict[str, float]:
     """Return the mean over encounters with intervals over drivers' reactions, units, and both.
 
-    Units are resampled as whole ones, each with its encounters; the ends of their intervals are
-    moved outwards to allow for few (`nvcore.evidence.bootstrap.expanded_tail`).
+    Units are resampled as a whole with their encounters. The ends of their intervals are moved
+    outwards to allow for few units (`nvcore.evidence.bootstrap.expanded_tail`).
 
     Parameters
     ----------
     sums
-        Of each draw and unit, as of `draw`, or differences of two; (n_draws, n_units).
+        Sums by draw and unit, as from `draw`, or differences of two; (n_draws, n_units).
     n
         Encounters of each unit, 1 or more; shape (n_units,).
 
     Returns
     -------
     mean; draws_low, draws_high (these units, other drivers); units_low, units_high (other units,
-    the drivers' mean); low, high (both vary). At 95 %; NaN where there are no encounters, and
-    without the draws' where fewer than `MIN_UNITS` units have any.
+    the drivers' mean); low, high (both vary). The level is 95 %. All are NaN without encounters;
+    with fewer than `MIN_UNITS` units, only the intervals of the draws are defined.
     """
     ends = ("draws_low", "draws_high", "units_low", "units_high", "low", "high")
     if not len(n):
@@ -238,10 +240,11 @@ class InTime:
         A row for each kind of alert, measure (``share``, 0..1; ``impact_kmh``) and side (``x``,
         ``y``, ``difference``), with the columns of `intervals`; the mean of a share is exact.
     units
-        What intervals are over; those without urgent encounters have no part in them.
+        Units that intervals resample. Units without urgent encounters have no part in them.
     chances
-        A row for each urgent encounter (index: of ``result.encounters``): is_known (whether it is
-        known if the driver sees them unaided before the last chance), is_seen (whether they do),
+        A row for each urgent encounter (index: of ``result.encounters``): is_known (True if it is
+        known whether the driver sees them unaided before the last chance), is_seen (True if the
+        driver does),
         slack_s_x, slack_s_y, and for each kind the chance to be in time with X, with Y and with
         both: ``visual_x``, ``visual_y``, ``visual_both``.
     """
@@ -298,9 +301,9 @@ def judge_in_time(
     Parameters
     ----------
     onset_rows
-        Of X and Y, as in `slack_at_onset`.
+        Onset rows of X and Y, see `slack_at_onset`.
     reactions
-        Of the drivers, by kind of alert.
+        Reactions of the drivers, by kind of alert.
     movement_s, brakes_s
         Movement of the foot and build-up of the brakes, seconds. 0 is optimistic.
 
@@ -336,7 +339,7 @@ def judge_in_time(
     shared: dict[str, Any] = {"after_s": after_s, "deceleration": params.deceleration}
     drives, drive = np.unique(encounters.recording[rows], return_inverse=True)
     normal = np.random.default_rng(SEED).standard_normal((n_draws, len(drives)))
-    shared["normal"] = normal[:, drive]  # one driver drives a recording through
+    shared["normal"] = normal[:, drive]  # a recording has a single driver
     table = []
     for kind, reaction in reactions.items():
         of_sides = dict(zip(("x", "y", "both"), (*slacks, np.minimum(*slacks)), strict=True))

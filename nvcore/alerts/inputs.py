@@ -1,4 +1,4 @@
-"""Logs of alerts and policies that a session names, read and put to the data."""
+"""Alert logs and policies that a session names, assigned to the data."""
 
 from __future__ import annotations
 
@@ -31,41 +31,41 @@ from nvcore.schema import NO_TRACK
 from nvcore.wording import one_line
 
 ROUNDING_S: Final = 5e-4
-"""By so much a time may lie beyond a recording: tables are rounded."""
+"""Tolerance for times beyond the end of a recording, because tables are rounded."""
 _LINES: Final = 1 << 32
-"""More than the lines of any file."""
+"""Bound on the number of lines of a file."""
 
 
 AlertLog = np.ndarray | pd.DataFrame
-"""A system's own log of its alerts, of one of two forms.
+"""A system's own log of its alerts, in one of two forms.
 
-`places_of` the detections that were alerts; or one row per alert: recording (its name in the data),
-start_s, end_s (since the recording's first listed frame), track (`NO_TRACK`: none), log_kind (the
-log's own word)."""
+Either `places_of` the detections that were alerts, or a table with one row per alert: recording
+(its name in the data), start_s, end_s (since the recording's first listed frame), track
+(`NO_TRACK`: none), log_kind (the log's own word)."""
 
 
 @dataclass(frozen=True)
 class AlertInputs:
-    """Logs and policies by the number of the system; those without are absent."""
+    """Logs and policies by the number of the system, without systems that have none."""
 
     logs: dict[int, AlertLog]
     policies: dict[int, Policy]
 
 
 def places_of(boxes: pd.DataFrame) -> np.ndarray:
-    """File and line of boxes as one number; int64, shape (n,)."""
+    """Combine file and line of boxes into one number, int64, shape (n,)."""
     file, line = (boxes[name].to_numpy(dtype=np.int64) for name in ("file", "line"))
     places: np.ndarray = file * _LINES + line
     return places
 
 
 def with_alerts(dataset: Dataset, session: Session) -> Dataset:
-    """The dataset with the logs and policies that its session names, or its systems' files hold.
+    """Add the logs and policies that the session names, or the systems' files hold, to the dataset.
 
     Raises
     ------
     InputError
-        If a file cannot be used; with file and line.
+        If a file cannot be used, with file and line.
     """
     logs: dict[int, AlertLog] = {}
     policies: dict[int, Policy] = {}
@@ -116,7 +116,7 @@ def with_alerts(dataset: Dataset, session: Session) -> Dataset:
 def _own_files(
     dataset: Dataset, session: Session, source: SystemSource, system: str
 ) -> dict[int, SourceFile]:
-    """The plain CSV files of a system, by their rows in `Dataset.inputs`."""
+    """Return the plain CSV files of a system, by their rows in `Dataset.inputs`."""
     inputs = dataset.inputs
     rows = np.flatnonzero((inputs["subject"] == system) & (inputs["format"] == "csv"))
     files = find_files(source, session.folder, "detections")[0] if len(rows) else []
@@ -133,19 +133,21 @@ def _has_flags(file: SourceFile) -> bool:
 
 
 def _place_of_flags(content: bytes) -> tuple[Header, int]:
-    """The header of a plain CSV file, and the place of the column `ALERTED`; -1 without it."""
+    """Return the header of a plain CSV file and the index of the column `ALERTED`, or -1."""
     header = read_header(content.partition(b"\n")[0].decode())
     columns = [column.lower() for column in header.names]
     return header, columns.index(ALERTED) if ALERTED in columns else -1
 
 
 def _flagged(files: Mapping[int, SourceFile]) -> np.ndarray:
-    """`places_of` the boxes that the files of a system flag as alerts; FormatError without flags.
+    """Return `places_of` the boxes that a system's files flag as alerts.
+
+    Raises FormatError if they have no flags.
 
     Parameters
     ----------
     files
-        By their rows in `Dataset.inputs`.
+        Files by their rows in `Dataset.inputs`.
     """
     places = []
     for row, file in files.items():
@@ -169,7 +171,9 @@ def _read_log(
     own: Mapping[int, SourceFile],
     system: str,
 ) -> AlertLog:
-    """The log that a session names: a table of alerts, or a file of the system with flags.
+    """Read the log that a session names: a table of alerts, or a file of the system with flags.
+
+    Rows of a table with the same begin, end and track are one alert.
 
     Rows of a table with one begin, end and track are one alert.
     """
@@ -189,7 +193,7 @@ def _read_log(
     track = np.full(len(log), NO_TRACK)
     if "track" in log:
         track = log.whole_numbers("track", if_empty=NO_TRACK)
-    # of sampled frames, a track may have boxes in the others
+    # with sampled frames, a track may have boxes in the others
     is_sampled = dataset.frame_columns.sampling_step[spans["recording"]] > 1
     if (is_checked := (track >= 0) & ~is_sampled).any():
         boxes, frames = dataset.system(system), dataset.frame_columns
@@ -208,7 +212,7 @@ def _read_log(
         track=track,
         log_kind=pd.Series(log.texts("kind", may_be_empty=True), dtype=object),
     )
-    # one warning by several channels reaches the driver as one
+    # one warning through several channels reaches the driver as one
     by_span = table.groupby(["recording", "start_s", "end_s", "track"], sort=False)
     kinds = by_span["log_kind"].agg(lambda kinds: ", ".join(dict.fromkeys(filter(None, kinds))))
     return kinds.reset_index()
@@ -221,14 +225,14 @@ def read_spans(
     title_of: Mapping[str, str] | None = None,
     end: str = "end_s",
 ) -> pd.DataFrame:
-    """When the rows of a table begin and end, within the recordings of a dataset.
+    """Read the begin and end of a table's rows, within the recordings of a dataset.
 
     Parameters
     ----------
     table
-        With start_s and `end`, and with recording where the dataset has several.
+        Table with start_s and `end`, and with recording if the dataset has several.
     title_of
-        What recordings are called in the dataset, by other names that the table may use.
+        Names of recordings in the dataset, by other names that the table may use.
     end
         Column of the end, or ``duration_s``.
 
@@ -240,7 +244,7 @@ def read_spans(
     Raises
     ------
     FormatError
-        With the line where there is no such recording, or a time is not within it.
+        If there is no such recording, or a time is outside it; with the line.
     """
     names = dataset.recordings["name"].tolist()
     if "recording" in table:

@@ -1,4 +1,4 @@
-"""The loop over the frames of tracks in which an alert switches on and off."""
+"""Loop over the frames of tracks that switches alerts on and off."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from nvcore.schema import SAME_S
 
 @compiled
 def last_frame(on, held, final, time_s, off_s, least_s):
-    """Last frame row of an alert that began at `on` and was held up in `held` for the last time."""
+    """Return the last frame row of an alert that began at `on` and was last sustained in `held`."""
     row = held
     while row < final and (
         time_s[row + 1] - time_s[held] <= off_s + SAME_S
@@ -22,18 +22,18 @@ def last_frame(on, held, final, time_s, off_s, least_s):
 def switch_alerts(
     key, frame_row, final_row, time_s, end_s, on_s, off_s, least_s, pause_s, step, onset, end, first
 ):
-    """Alerts of tracks; returns how many.
+    """Find the alerts of tracks and return their number.
 
     Parameters
     ----------
     key, frame_row
         Track and frame of each box that meets the policy, sorted by both.
     final_row, time_s, end_s
-        Of each frame: last frame row of its recording; when it begins and ends, seconds.
+        For each frame: last frame row of its recording; its begin and end, seconds.
     step
-        A box so many listed frames after the last one continues its run.
+        Number of listed frames after the last box within which another box continues its run.
     onset, end, first
-        Filled, one for each alert: its first and last frame row, and the place of its first box.
+        Filled for each alert: its first and last frame row, and the position of its first box.
     """
     n, on, run, held, free_s = 0, -1, 0, 0, 0.0
     for i in range(len(key)):

@@ -31,7 +31,7 @@ from nvcore.metrics.venn import Venn, categorise, count_categories
 from nvcore.scoring import SystemResult
 
 Members = Callable[[Result, SystemResult], np.ndarray]
-"""Encounters of a kind; bool, shape (n_encounters,)."""
+"""Function that selects encounters of a kind, bool, shape (n_encounters,)."""
 _SHARE: Final = AxisScale(".0%", least=1.0, least_reach=1.0)
 _ASKED: Final[dict[str, Any]] = {"applies": ASKED.holds, "only_if": ASKED}
 _URGENT: Final[dict[str, Any]] = {"applies": OF_URGENCY.holds, "only_if": OF_URGENCY}
@@ -312,4 +312,4 @@ MEASURES: Final[tuple[Measure, ...]] = (
 )
 
 COUNTS: Final = {"n_to_alert": lambda result: alerts_in(result).is_to_alert}
-"""Encounters that labels and shares of measures are of; bool, shape (n_encounters,)."""
+"""Encounters used as denominators of measures and in labels, bool, shape (n_encounters,)."""

@@ -19,14 +19,14 @@ from nvcore.params import SETTINGS
 from nvcore.wording import did_you_mean, listed, one_line
 
 Policy = Mapping[str, Any]
-"""Values of settings by name, those of `POLICY_SETTINGS` or some of them."""
+"""Values by name of some or all of the settings in `POLICY_SETTINGS`."""
 POLICY_SETTINGS: Final = tuple(
     name for name in SETTINGS if name.startswith("alert_") and name != "alert_oracle"
 )
-"""An oracle is none of them: no system could have it, so the comparison alone asks for it."""
+"""Settings of a policy. The oracle is not one of them, since no system could have it."""
 MAX_BYTES: Final = 1 << 20
 BASE: Final = "base"
-"""Key of a file: the named policy that has what the file does not say."""
+"""Key of a file: the named policy that provides the settings missing in the file."""
 
 
 POLICIES: Final[Mapping[str, tuple[str, Policy]]] = {
@@ -57,11 +57,11 @@ POLICIES: Final[Mapping[str, tuple[str, Policy]]] = {
         },
     ),
 }
-"""Named policies with a sentence each; what one does not say is as by default. All are ours."""
+"""Named policies with a sentence each. Missing settings have their defaults. All are our choice."""
 
 
 def named_policy(name: str) -> dict[str, Any]:
-    """All values of a named policy, None included.
+    """Return all values of a named policy, including None.
 
     Raises
     ------
@@ -76,12 +76,12 @@ def named_policy(name: str) -> dict[str, Any]:
 
 
 def policy_from(text: str | Path) -> dict[str, Any]:
-    """The policy of this name, else of the file at this path.
+    """Return the policy with this name, or else that of the file at this path.
 
     Raises
     ------
     InputError, ParameterError
-        As `named_policy` and `read_policy`.
+        See `named_policy` and `read_policy`.
     """
     path = Path(text)
     if str(text) in POLICIES or not (path.suffix or path.exists()):
@@ -90,13 +90,15 @@ def policy_from(text: str | Path) -> dict[str, Any]:
 
 
 def read_policy(file: SourceFile) -> dict[str, Any]:
-    """A policy from a TOML file; what neither it nor its base says is as by default.
+    """Read a policy from a TOML file.
+
+    Settings that neither the file nor its base has get their defaults.
 
     Raises
     ------
     InputError
-        If it is no TOML, or, with the line, has a key that is no setting of a policy or a value
-        outside its range.
+        If it is not TOML, has a key that is not a setting of a policy, or a value outside its range
+        (with the line).
     """
     if file.is_larger_than(MAX_BYTES):
         raise InputError("is too large for a policy", file=file.name)
@@ -114,7 +116,7 @@ def read_policy(file: SourceFile) -> dict[str, Any]:
             SETTINGS[name].check(name, value)
             policy[name] = value
     except ParameterError as error:
-        # tomllib does not keep where a key stands
+        # tomllib does not keep the line of a key
         key = re.compile(rf"""\s*\[?\s*["']?{re.escape(name)}["']?\s*[].=]""")
         at = (n for n, line in enumerate(content.decode().splitlines(), 1) if key.match(line))
         raise InputError(str(error), file=file.name, line=next(at, None)) from error

@@ -1,4 +1,4 @@
-"""What a session says of a system's alerts: its own log of them, and a policy of its own.
+"""Entries of a session about a system's alerts: its own log, and a policy of its own.
 
 [[system]]
 alerts = "fir_alerts.csv"    start_s,end_s,kind[,track][,recording]; or its file of detections,
@@ -15,7 +15,7 @@ from nvcore.inputs.facts import path_field
 
 @dataclass(frozen=True, kw_only=True)
 class SystemAlerts:
-    """What a ``[[system]]`` says of its alerts; None: nothing.
+    """Entries of a ``[[system]]`` about its alerts, None if missing.
 
     Attributes
     ----------

@@ -16,13 +16,13 @@ IN_TIME: Final = Stage("in time for the driver", "Alerts", (ALERTS,))
 SPEEDING: Final = Stage("speed alerts", "Alerts", (MATCH,))
 
 RESULTS: Final = (ALERTS,)
-"""The stages whose results are shown."""
+"""Stages whose results are shown."""
 
 Asked = Literal["off", "policy", "log"]
 Oracle = Literal["off", "on"]
 LimitUnit = Literal["kmh", "mph"]
 KMH_OF: Final[dict[LimitUnit, float]] = {"kmh": 1.0, "mph": 1.609344}
-"""What the units of limits are in km/h."""
+"""Units of limits in km/h."""
 _USED: Final = ("alerts", ("policy", "log"))
 
 

@@ -1,8 +1,9 @@
-"""Speed alerts: the limit stored from sign to sign, and when the car has been above it too long.
+"""Speed alerts: the limit stored from sign to sign, and excess of it for too long.
 
-A system stores the limit that it read last until it reads another, and alerts the driver once the
-car has been above it for the parameter `speeding_after_s`, until it no longer is. The truth does
-the same with the signs that were passed. Where no limit or no speed is known nobody is alerted.
+A system stores the limit that it read last until it reads another. It alerts the driver once the
+car has been above it for the parameter `speeding_after_s`, until the car no longer is. The truth
+does the same with the signs that were passed. If the limit or the speed is unknown, nobody is
+alerted.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from nvcore.scoring import SystemResult
 from nvcore.tables.classes import matches_by_place
 
 NO_LIMIT: Final = math.inf
-"""Stored after the end of a limit: none is known to hold, so no speed is above it."""
+"""Value stored after the end of a limit. No limit is known, so no speed is above it."""
 _ENDS: Final = re.compile(r"\b(ends?|derestrict\w*|unlimited|no (speed )?limit)\b", re.IGNORECASE)
 
 
@@ -42,11 +43,11 @@ ROWS: Final = {
     "true_no_limit_s": ("time without a known true limit (s)", ".1f"),
     "no_speed_s": ("time without a known speed (s)", ".1f"),
 }
-"""Columns of `Speeding.summary` that are shown, their words (with ``true`` in them) and formats."""
+"""Displayed columns of `Speeding.summary`, with texts (with ``true`` in them) and formats."""
 
 
 class State(StrEnum):
-    """What an episode is.
+    """Kind of an episode.
 
     Attributes
     ----------
@@ -68,7 +69,7 @@ class State(StrEnum):
 
 
 class Cause(StrEnum):
-    """Why a system's alert is false, or why there is none: what it had stored at the start.
+    """Cause of a false or missed alert of a system: the limit stored at its start.
 
     Attributes
     ----------
@@ -77,9 +78,9 @@ class Cause(StrEnum):
     NO_SIGN
         A limit read where no sign is.
     AHEAD
-        The limit of a sign that was not passed yet.
+        The limit of a sign that was not yet passed.
     NOT_READ
-        No limit, or that of an earlier sign: the sign that holds was not read.
+        No limit, or that of an earlier sign, because the valid sign was not read.
     TIMING
         The right limit, but read so late or so early that the car was above it at other times.
     """
@@ -93,15 +94,15 @@ class Cause(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """The limit stored in every frame.
+    """Limit stored in every frame.
 
     Attributes
     ----------
     limit_kmh
         km/h, float64, shape (n_frames,); NaN unknown, `NO_LIMIT` after the end of a limit.
     row
-        Row of the box that shows it, among those of the truth or the system; -1 none yet; int64,
-        shape (n_frames,).
+        Row of the box that shows it, in the truth or the system, -1 before the first; int64, shape
+        (n_frames,).
     """
 
     limit_kmh: np.ndarray
@@ -109,12 +110,12 @@ class Stored:
 
 
 def limit_of(label: str) -> float:
-    """The limit that a class shows, in the unit of its number; NaN where it says none.
+    """Return the limit that a class shows, in the unit of its number, or NaN if it shows none.
 
     Parameters
     ----------
     label
-        One of `nvcore.dataset.Dataset.labels`: of speed signs the number, without its unit.
+        One of `nvcore.dataset.Dataset.labels`. For speed signs it is the number without its unit.
 
     Examples
     --------
@@ -128,7 +129,7 @@ def limit_of(label: str) -> float:
 
 def has_limits(dataset: Dataset) -> bool:
     """Whether there are signs whose class is a limit, and frames in which the speed is known."""
-    if not dataset.objects.is_numbered:  # "1" is a class then, and no limit
+    if not dataset.objects.is_numbered:  # then "1" is a class, not a limit
         return False
     is_known = ~np.isnan(dataset.frame_columns.speed_kmh)
     return bool(is_known.any() and (~np.isnan([*map(limit_of, dataset.labels)])).any())
@@ -139,17 +140,17 @@ def store_limits(
 ) -> Stored:
     """Store the limit of each of these boxes from its frame until that of the next one.
 
-    Of several in one frame the highest box counts, as it is the nearest. Recordings begin without
-    a limit.
+    If a frame has several, the highest box counts, as it is the nearest. Recordings begin without a
+    limit.
 
     Parameters
     ----------
     boxes
-        Of the truth or a system.
+        Boxes of the truth or a system.
     rows
         Rows of the boxes that are stored; int64, shape (n,).
     limit_kmh
-        What each box shows; float64, shape (n_boxes,).
+        Limit that each box shows; float64, shape (n_boxes,).
     frames
         The listed frames.
     """
@@ -165,16 +166,16 @@ def store_limits(
 def find_speeding(
     limit_kmh: np.ndarray, speed_kmh: np.ndarray, frames: FrameColumns, *, after_s: float
 ) -> pd.DataFrame:
-    """Episodes in which the driver is to be alerted: above the limit since `after_s` or longer.
+    """Find episodes in which the driver should be alerted: above the limit for `after_s` or longer.
 
     An episode begins in the first frame at least `after_s` after the first one above the limit, and
-    ends with the last frame above it or the recording. A limit that changes in between does not
-    interrupt it; a limit or speed that is unknown does.
+    ends with the last frame above it or the recording. A change of the limit does not interrupt it,
+    but an unknown limit or speed does.
 
     Parameters
     ----------
     limit_kmh, speed_kmh
-        Of every frame, km/h; float64, shape (n_frames,); NaN unknown.
+        Limit and speed in every frame, km/h; float64, shape (n_frames,); NaN unknown.
     frames
         The listed frames.
     after_s
@@ -206,14 +207,14 @@ class Speeding:
         The stored limits of ``"truth"``, ``"x"`` and ``"y"``.
     episodes
         One row per episode of the truth and of each system, and per episode that a system misses:
-        subject (``"truth"``, ``"x"``, ``"y"``), state (`State`), cause (`Cause` of what is false or
-        missed, else empty), recording (row of the recordings table), first_row and last_row (of the
+        subject (``"truth"``, ``"x"``, ``"y"``), state (`State`), cause (`Cause` if false or missed,
+        else empty), recording (row of the recordings table), first_row and last_row (of the
         frames table, inclusive), start_s and stop_s (the end of the last frame's time step, seconds
         from the recording's first frame), limit_kmh (stored by the subject at the start; NaN none),
         true_limit_kmh (by the truth, then), top_kmh (highest speed in it) and late_s (from the
         start of the truth's episode to that of the system's first alert in it, seconds, negative:
-        earlier; NaN for all other rows). By subject, then time; a missed episode has the times of
-        the truth's.
+        earlier; NaN for all other rows). Sorted by subject, then time. A missed episode has the
+        times of the truth's.
     """
 
     result: Result
@@ -227,11 +228,11 @@ class Speeding:
         return self.episodes.assign(recording=names[self.episodes["recording"]])
 
     def limits(self) -> pd.DataFrame:
-        """Runs of frames with the same stored limit, as lanes.
+        """Return runs of frames with the same stored limit, as lanes.
 
         Returns
         -------
-        Columns subject, recording, first_row, last_row, start_s, stop_s (as of `episodes`) and
+        Columns subject, recording, first_row, last_row, start_s, stop_s (see `episodes`) and
         limit_kmh (NaN unknown, inf none holds), by subject, then time.
         """
         frames = self.result.dataset.frame_columns
@@ -247,7 +248,7 @@ class Speeding:
         return pd.concat(parts, ignore_index=True)
 
     def summary(self) -> pd.DataFrame:
-        """How each system's speed alerts did, one row for X and one for Y.
+        """Summarise each system's speed alerts, one row for X and one for Y.
 
         Returns
         -------
@@ -298,17 +299,17 @@ class Speeding:
 
 
 def judge_speeding(result: Result) -> Speeding:
-    """Hold the systems' speed alerts against those that the truth calls for.
+    """Compare the systems' speed alerts with those that the truth calls for.
 
-    The truth stores a limit in the last annotated frame of its sign, when the car passes it (one
-    that is annotated to the end of the recording was not passed); a system in every frame in which
-    a detection that counts (matched or false) shows one. A sign of the truth whose limit is unknown
-    makes the stored one unknown; a system that cannot read a sign keeps what it had.
+    The truth stores a limit in the last annotated frame of its sign, when the car passes it. A sign
+    annotated to the end of the recording was not passed. A system stores a limit in every frame in
+    which a counted detection (matched or false) shows one. A sign of the truth with an unknown
+    limit makes the stored one unknown. A system that cannot read a sign keeps its stored limit.
 
     Parameters
     ----------
     result
-        A comparison of speed signs whose classes are their limits, with the speed of the car.
+        Comparison of speed signs whose classes are their limits, with the speed of the car.
     """
     dataset, encounters = result.dataset, result.encounters
     truth, frames = dataset.truth, dataset.frame_columns
@@ -343,7 +344,7 @@ def _judged(
     true: pd.DataFrame,
     causes: np.ndarray,
 ) -> list[pd.DataFrame]:
-    """Rows of `Speeding.episodes` of a system, from its alerts and the truth's episodes."""
+    """Return a system's rows of `Speeding.episodes`, from its alerts and the truth's episodes."""
     first = alerts["first_row"].to_numpy()
     is_known = ~np.isnan(stored["truth"].limit_kmh[first])
     state = np.where(is_known, State.FALSE, State.NOT_KNOWN).astype(object)
@@ -368,7 +369,7 @@ def _judged(
 def _causes(
     result: Result, system: SystemResult, own: Stored, true: Stored, shown: np.ndarray
 ) -> np.ndarray:
-    """The `Cause` that would explain a wrong alert in each frame; object, shape (n_frames,)."""
+    """Return the `Cause` that would explain a wrong alert in each frame, object, (n_frames,)."""
     encounters, truth = result.encounters, result.dataset.truth
     sign = np.append(matches_by_place(result, system).det_truth, -1)[own.row]
     of_sign = np.append(encounters.encounter_of, -1)[sign]
@@ -385,7 +386,10 @@ def _causes(
 
 
 def _first_overlap(runs: pd.DataFrame, others: pd.DataFrame) -> np.ndarray:
-    """The first of the others that each run overlaps, -1 none; each kind is apart, in order."""
+    """Return the first of the others that each run overlaps, or -1.
+
+    Both tables are in order, without overlaps within a table.
+    """
     at = np.searchsorted(others["last_row"], runs["first_row"])
     starts = np.append(others["first_row"], np.iinfo(np.int64).max)[at]
     return np.where(starts <= runs["last_row"], at, -1)
@@ -398,7 +402,7 @@ def _episodes(
     runs: pd.DataFrame,
     state: np.ndarray | State,
 ) -> pd.DataFrame:
-    """Rows of `Speeding.episodes` without cause and lateness."""
+    """Return rows of `Speeding.episodes` without cause and lateness."""
     speed_kmh = np.append(result.dataset.frame_columns.speed_kmh, 0.0)
     first, last = runs["first_row"].to_numpy(), runs["last_row"].to_numpy()
     bounds = np.stack([first, last + 1], axis=1).ravel()
@@ -412,7 +416,7 @@ def _episodes(
 
 
 def _timed(result: Result, subject: str, runs: pd.DataFrame, **more: object) -> pd.DataFrame:
-    """Runs of frames with subject, more columns of these values, recording and times."""
+    """Return runs of frames with subject, further constant columns, recording and times."""
     frames = result.dataset.frames
     first, last = frames.iloc[runs["first_row"]], frames.iloc[runs["last_row"]]
     return pd.DataFrame(

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from nvcore.alerts.speeding import Speeding
 
 MOST_POINTS: Final = 40
-"""Thresholds of a trade-off curve, at most."""
+"""Most thresholds of a trade-off curve."""
 
 
 def _find_alerts(
@@ -172,7 +172,8 @@ class AlertsView:
     @cached_property
     def in_time_for_drivers(self) -> InTime:
         """Shares of urgent encounters in which drivers react in time (`nvcore.alerts.in_time`)."""
-        # here: it resamples by `nvcore.evidence`, which knows the measures, and these this module
+        # imported here to avoid a cycle: it needs `nvcore.evidence`, which needs the measures,
+        # which need this module
         from nvcore.alerts.in_time import REACTIONS, Reaction, judge_in_time
 
         params, reactions = self.result.params, dict(REACTIONS)
@@ -234,14 +235,14 @@ class AlertsView:
     def curve(self) -> pd.DataFrame:
         """Encounters alerted in time and unwanted alerts at each score threshold.
 
-        The rest of the policy is as it is. Down to the lowest score that the system reports,
-        whatever the threshold of the comparison.
+        The rest of the policy is unchanged. Thresholds go down to the lowest score that the system
+        reports, whatever the threshold of the comparison.
 
         Returns
         -------
         Rows of X, then of Y, each with the threshold ascending: system (``x`` or ``y``), of
-        (``policy``; ``in use``: at the threshold in use; ``log``: what the log tells), threshold
-        (-inf: every box; NaN of a log), alerts of each `AlertKind` (its name; NaN as of `count`),
+        (``policy``; ``in use``: at the current threshold; ``log``: from the log), threshold (-inf:
+        every box; NaN for a log), alerts of each `AlertKind` (its name; NaN as in `count`),
         unwanted and unwanted_per_hour (fewer is better), in_time (urgent encounters alerted in
         time, more is better), share_in_time (NaN: none is urgent), alerted (encounters that count).
         """
@@ -263,7 +264,7 @@ class AlertsView:
         matches = match_system(dataset, system.name, None, params)
         reported = Reported(dataset.system(system.name), system.weights.k, matches)
         policy = policy_of(params, dataset, dataset.systems.index(system.name))
-        # a loop over thresholds: which boxes are linked, and the pauses, are others at each
+        # a loop over thresholds, because linked boxes and pauses differ at each
         for threshold in thresholds_of(reported.boxes.score):
             yield (
                 "policy",
@@ -314,7 +315,7 @@ def alerts_in(result: Result) -> AlertsView:
 
 
 ASKED: Final = Condition(lambda result: alerts_in(result).is_asked, "where `alerts` is off")
-"""That alerts are judged."""
+"""Condition: alerts are judged."""
 OF_URGENCY: Final = Condition(
     lambda result: ASKED.holds(result) and alerts_in(result).has_urgency,
     "where `alerts` is off, and of objects that are not on the road",
