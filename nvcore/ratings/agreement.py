@@ -1,4 +1,4 @@
-"""Whether people agree: ranks of each participant, Kendall's W, and outliers."""
+"""Agreement between people: ranks of each participant, Kendall's W, and outliers."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ CLIP: Final = ["clip", "system"]
 LEAST_CLIPS: Final = 3
 """Fewest common clips for comparing two participants, or a participant with the others."""
 LEAST_FOR_OUTLIERS: Final = 4
-"""Fewest participants among whom outliers are looked for."""
+"""Fewest participants for finding outliers."""
 CHANCE: Final = 0.05
 """Agreement with a p-value below this is more than chance."""
 N_PERMUTATIONS: Final = 2_000
 SEED: Final = 20_110_360
 BATCH_CELLS: Final = 2_000_000
-"""Ranks processed at a time: bounds the memory of the permutations."""
+"""Ranks processed at a time, which limits the memory of the permutations."""
 FENCE: Final = 1.5
 """Outliers lie more than this many interquartile ranges below the lower quartile (Tukey)."""
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """How similarly participants rank clips.
+    """Similarity of the participants' ranks of clips.
 
     Attributes
     ----------
@@ -37,13 +37,13 @@ class Agreement:
         Kendall's coefficient of concordance, corrected for ties: 0 no agreement, 1 the same
         ranks; NaN with fewer than two participants or three clips.
     p
-        How often ranks by chance would agree as much. NaN where `w` is.
+        Probability that random ranks agree as much. NaN if `w` is.
     method
-        How `w` and `p` were computed, or why there are none, in words.
+        Method of computing `w` and `p`, or the reason for having none, in words.
     participants
         Per participant: ``participant``, ``n_rated``, ``agreement`` (Spearman's correlation with
-        the mean rank that the others give; NaN: too few clips) and ``is_outlier``, which nobody
-        is where `knows_outliers` is false.
+        the mean rank that the others give; NaN: too few clips) and ``is_outlier``, which is False
+        for all unless `knows_outliers`.
     """
 
     n_participants: int
@@ -56,28 +56,28 @@ class Agreement:
 
     @property
     def is_more_than_chance(self) -> bool:
-        """Whether the participants agree more than ranks by chance would."""
+        """Whether the participants agree more than random ranks would."""
         return bool(self.p < CHANCE)
 
     @property
     def knows_outliers(self) -> bool:
-        """Whether there are enough participants, and an agreement to depart from."""
+        """Whether there are enough participants, with enough agreement, to find outliers."""
         return self.n_participants >= LEAST_FOR_OUTLIERS and self.is_more_than_chance
 
 
 def rank_ratings(ratings: pd.DataFrame) -> pd.DataFrame:
-    """Ranks of each participant, 1 for the least annoying clip, ties averaged.
+    """Rank the clips of each participant, 1 for the least annoying clip, ties averaged.
 
     Parameters
     ----------
     ratings
-        Of `read_ratings`.
+        Table from `read_ratings`.
 
     Returns
     -------
-    One row for each participant, one column for each clip (levels ``clip``, ``system``), NaN
-    where a rating is missing. Who rated m of n clips has ranks stretched from 1..m to 1..n, so
-    that all may be averaged: ``(rank - 0.5) * n / m + 0.5``.
+    One row for each participant, one column for each clip (levels ``clip``, ``system``), NaN if a
+    rating is missing. The ranks of a participant who rated m of n clips are stretched from 1..m to
+    1..n, so that all may be averaged: ``(rank - 0.5) * n / m + 0.5``.
     """
     wide = ratings.dropna(subset="rating").pivot_table(
         index="participant", columns=CLIP, values="rating", aggfunc="first"
@@ -88,7 +88,9 @@ def rank_ratings(ratings: pd.DataFrame) -> pd.DataFrame:
 
 
 def measure_agreement(ranks: pd.DataFrame) -> Agreement:
-    """Kendall's W of ranks from `rank_ratings`, and each participant's agreement with the others.
+    """Compute Kendall's W of ranks from `rank_ratings`, and each participant's agreement.
+
+    A participant's agreement is that with the mean of the others.
 
     Notes
     -----
@@ -129,7 +131,7 @@ def _concordance(values: np.ndarray) -> tuple[float, float, str]:
 
 
 def _shuffle(values: np.ndarray, n_times: int, rng: np.random.Generator) -> np.ndarray:
-    """The ranks of each participant in random orders; missing ones stay in place.
+    """Shuffle the ranks of each participant, keeping missing ones in place.
 
     Shape (n_times, participants, clips).
     """
@@ -141,7 +143,10 @@ def _shuffle(values: np.ndarray, n_times: int, rng: np.random.Generator) -> np.n
 
 
 def _mean_correlations(tables: np.ndarray) -> np.ndarray:
-    """Mean of Spearman's correlations of the pairs with enough clips in common, of each table.
+    """Return the mean of Spearman's correlations over all pairs with enough common clips, by table.
+
+    Pairs with the same common clips are summed at once, because the sum of all products of
+    standardised ranks is the product of their sums.
 
     Pairs that have the same clips in common are summed at once: the sum of all products of
     standardised ranks is the product of their sums.
@@ -149,7 +154,7 @@ def _mean_correlations(tables: np.ndarray) -> np.ndarray:
     Parameters
     ----------
     tables
-        Ranks, NaN in the same places of all; float64, (tables, participants, clips).
+        Ranks, NaN in the same places of all tables; float64, (tables, participants, clips).
     """
     is_rated = ~np.isnan(tables[0])
     patterns, member = np.unique(is_rated, axis=0, return_inverse=True)
@@ -172,7 +177,7 @@ def _mean_correlations(tables: np.ndarray) -> np.ndarray:
 
 
 def _sum_ranks(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Sum over participants of their standardised ranks, and how many rank clips differently."""
+    """Sum standardised ranks over participants, and count those who rank clips differently."""
     ranks = scipy.stats.rankdata(values, axis=2)
     ranks -= ranks.mean(axis=2, keepdims=True)
     length = np.sqrt((ranks * ranks).sum(axis=2, keepdims=True))

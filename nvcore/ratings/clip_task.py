@@ -1,4 +1,4 @@
-"""Rating sessions: people rate clips, then say of alerts whether they were worth it."""
+"""Rating sessions: people rate clips, then say whether alerts were worth it."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ REPLACE: Final = """(study, participant, clip) DO UPDATE SET
 
 
 class Clip(NamedTuple):
-    """Recording, or a stretch of it, with the boxes of one system.
+    """Recording, or part of it, with the boxes of one system.
 
     Attributes
     ----------
     start_s, end_s
-        Seconds since the recording's first frame; None: all of it.
+        Seconds since the recording's first frame; None: the whole recording.
     reason
-        What the stretch was cut around (`nvcore.ratings.clips.cut_clips`).
+        Event that the clip was cut around (`nvcore.ratings.clips.cut_clips`).
     """
 
     recording: str
@@ -89,8 +89,8 @@ class RatingStudy(Study):
     low, high
         Ends of the scale: not annoying at all, very annoying.
     thresholds
-        Score threshold of each system, None where every detection is shown: all participants see
-        the same boxes.
+        Score threshold of each system, None if every detection is shown. All participants see the
+        same boxes.
     alerts
         Alerts that participants judge after the clips.
     """

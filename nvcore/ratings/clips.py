@@ -1,4 +1,4 @@
-"""Clips: stretches of recordings around what happens in them, rated and compared one by one."""
+"""Clips: parts of recordings around events, rated and compared one by one."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from nvcore.metrics.encounters import RELEVANT_K
 LENGTH_S: Final = 15.0
 """Length of a clip in the paper's study."""
 LEAD_S: Final = 5.0
-"""From the beginning of a clip to what it is cut around; ours."""
+"""Time from the beginning of a clip to its event. (Our choice.)"""
 ROUNDING_S: Final = 5e-4
-"""A frame that is by so much before a start, or an end, counts as at it: these are rounded."""
+"""Frames this much before a start or end count as at it, because starts and ends are rounded."""
 _STRETCH: Final = re.compile(r"(.+) \[(\d+(?:\.\d+)?)-(\d+(?:\.\d+)?) s\]", re.DOTALL)
 
 
@@ -44,24 +44,24 @@ def stretch_of(clip: str) -> tuple[str, float, float]:
 def cut_clips(
     result: Result, *, length_s: float = LENGTH_S, lead_s: float = LEAD_S
 ) -> pd.DataFrame:
-    """Stretches around the encounters and the false-alert episodes of both systems.
+    """Cut clips around the encounters and the false-alert episodes of both systems.
 
-    What happens begins with the first relevant frame (``k >= 0.5``) of an encounter, or the first
-    of a false-alert episode. In order of time, each gets a clip that begins `lead_s` before and
-    lasts `length_s`, unless it begins inside the clip before: then it belongs to that one. Clips do
-    not overlap: one begins where the one before ends, if that is later. One that would reach beyond
-    the end of the recording begins sooner if it can, else is shorter.
+    An event begins with the first relevant frame (``k >= 0.5``) of an encounter, or with a
+    false-alert episode. In order of time, each event gets a clip that begins `lead_s` before it and
+    lasts `length_s`, unless the event begins inside the previous clip and so belongs to that one.
+    Clips do not overlap: one begins where the previous one ends, if that is later. A clip that
+    would reach beyond the end of the recording begins earlier if possible, or else is shorter.
 
     Returns
     -------
     ``clip`` (`clip_name`), ``recording``, ``start_s``, ``end_s`` (since its first frame, rounded to
-    1 ms), ``reason`` (what begins in the clip, each once). A clip has the frames from its start to
-    before its end. Nothing happens: no rows.
+    1 ms), ``reason`` (kinds of events that begin in the clip). A clip has the frames from its start
+    to before its end. Without events there are no rows.
 
     Raises
     ------
     InputError
-        If a clip would end before what it is cut around begins.
+        If a clip would end before its event begins.
     """
     if not 0 <= lead_s < length_s:
         raise InputError(
@@ -71,7 +71,7 @@ def cut_clips(
     frames, encounters = result.dataset.frame_columns, result.encounters
     time_s = result.dataset.frames["time_s"].to_numpy()
     boxes = encounters.order[result.k_truth.k[encounters.order] >= RELEVANT_K]
-    # ordered by encounter and frame: the first of each is where it begins to count
+    # ordered by encounter and frame: the first row of each is where it begins to count
     of, first = np.unique(encounters.encounter_of[boxes], return_index=True)
     rows = [result.dataset.truth.frame_index[boxes[first]]]
     reasons = [f"encounter {track}" for track in encounters.track[of]]
@@ -112,14 +112,17 @@ def rows_between(dataset: Dataset, recording: int, start_s: float, end_s: float)
 
 
 def compare_clips(result: Result, clips: Iterable[str]) -> Result:
-    """The comparison in which each of these clips is a recording of its own, by its name.
+    """Return the comparison in which each of these clips is a recording of its own, by its name.
+
+    A miss that begins before a clip begins with it, and recency counts to its end. Clips from other
+    comparisons are skipped.
 
     A miss that begins before a clip begins with it, and recency counts to its end. Clips that are
     none of this comparison are left out.
 
     Returns
     -------
-    `result` itself where no clip is a stretch of a recording.
+    `result` itself if no clip is only a part of a recording.
     """
     dataset = result.dataset
     place = {str(name): i for i, name in enumerate(dataset.recordings["name"])}
@@ -130,7 +133,7 @@ def compare_clips(result: Result, clips: Iterable[str]) -> Result:
         recording, start_s, end_s = (clip, np.nan, np.nan) if clip in place else stretch_of(clip)
         if recording in place:
             own = rows_between(dataset, place[recording], start_s, end_s)
-            if own or np.isnan(start_s):  # a stretch beyond the end is none
+            if own or np.isnan(start_s):  # skip clips beyond the end
                 names, parents, rows = [*names, clip], [*parents, place[recording]], [*rows, own]
     if set(names) <= set(place):
         return result

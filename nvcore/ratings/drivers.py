@@ -1,4 +1,4 @@
-"""What drives the ratings: which losses put a clip above others, and the alpha that people use."""
+"""Drivers of the ratings: losses that put a clip above others, and the alpha that people use."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ DRIVERS: Final = {
     "missed_s": "Duration of the misses, s",
     "recency": "Recency of the misses",
 }
-"""What may drive ratings, as columns of `nvcore.ratings.validation.clip_saliency`, with labels."""
+"""Possible drivers of ratings: columns of `nvcore.ratings.validation.clip_saliency` with labels."""
 N_RESAMPLES: Final = 2_000
 LEAST_WITH: Final = 5
-"""Fewest recordings with a loss for telling what it does."""
+"""Fewest recordings with a loss for judging its effect."""
 MOST_INFLATION: Final = 10.0
-"""From this variance inflation on a driver cannot be told from the others (Kutner et al. 2005,
+"""Variance inflation from which a driver cannot be told from the others (Kutner et al. 2005,
 Applied linear statistical models, section 10.5)."""
 WIDEST: Final = 0.5
-"""Widest interval, of the whole 0..1, with which alpha is called known."""
+"""Widest interval, of the range 0..1, with which alpha counts as known."""
 LARGEST_EFFECT: Final = 50.0
 MOST_STEPS: Final = 50
 LONGEST_STEP: Final = 2.0
@@ -35,22 +35,22 @@ LONGEST_STEP: Final = 2.0
 
 @dataclass(frozen=True, eq=False)
 class RatingDrivers:
-    """What puts a clip above others in the ranks.
+    """Effects that put a clip above others in the ranks.
 
     Attributes
     ----------
     table
         By driver (key of `DRIVERS`): ``driver``, its ``mean`` and ``sd`` over the clips, and
-        ``value``: by what the odds that somebody finds a clip more annoying than another are
-        multiplied when it has one ``sd`` more of this driver, all others equal (1: no part), with
-        the 95 % interval ``low``, ``high``. NaN where the ratings cannot tell, and ``reason`` why.
+        ``value``: factor on the odds that somebody finds a clip more annoying than another if it
+        has one ``sd`` more of this driver, all others equal (1: no effect), with the 95 % interval
+        ``low``, ``high``. NaN if the ratings cannot tell, with the ``reason``.
     alpha, low, high
-        ``b_miss / (b_miss + b_false)`` by the two losses alone, 0..1, and its 95 % interval; NaN
-        where there is none.
+        ``b_miss / (b_miss + b_false)`` by only the two losses, 0..1, and its 95 % interval; NaN if
+        unknown.
     reason
-        Why alpha is not known; empty if it is. The interval may be known all the same.
+        Reason why alpha is unknown; empty if known. The interval may be known anyway.
     n_clips, n_recordings, n_people
-        What stands behind it.
+        Numbers of clips, recordings and people behind the result.
     """
 
     table: pd.DataFrame
@@ -64,7 +64,7 @@ class RatingDrivers:
 
     @property
     def with_alpha(self) -> pd.DataFrame:
-        """The table with a last row for alpha, whose ``value`` is alpha itself."""
+        """Table with a last row for alpha, whose ``value`` is alpha itself."""
         row = ("alpha", np.nan, np.nan, self.alpha, self.low, self.high, self.reason)
         return pd.DataFrame([*self.table.itertuples(index=False), row], columns=[*self.table])
 
@@ -72,20 +72,20 @@ class RatingDrivers:
 def find_drivers(ranks: pd.DataFrame, clips: pd.DataFrame) -> RatingDrivers:
     """Regress the ranks of clips on their losses, and on duration and recency of their misses.
 
-    The chance that somebody ranks clip i above clip j is ``1 / (1 + exp(-b (x_i - x_j)))``, so
-    that mean ranks are all that counts of a complete table of ratings. Only the order counts, and
-    ranks may rise with annoyance in any bent way.
+    The chance that somebody ranks clip i above clip j is ``1 / (1 + exp(-b (x_i - x_j)))``, so a
+    complete table of ratings only matters through its mean ranks. Only the order counts, so ranks
+    may rise with annoyance in any monotonic way.
 
     Parameters
     ----------
     ranks
-        Of `nvcore.ratings.agreement.rank_ratings`.
+        Ranks from `nvcore.ratings.agreement.rank_ratings`.
     clips
-        Of `nvcore.ratings.validation.join_clips`.
+        Clips from `nvcore.ratings.validation.join_clips`.
 
     Notes
     -----
-    Each share of people counts half a person more on both sides, without which clips that all rank
+    Each share of people gets half a person more on both sides. Without it, clips that all rank
     alike would have no estimate. Intervals are percentiles of 2,000 resamples of the recordings
     (fixed seed), their ends moved outwards for few recordings; each resample takes one Newton step
     from the estimate.
@@ -108,7 +108,7 @@ def find_drivers(ranks: pd.DataFrame, clips: pd.DataFrame) -> RatingDrivers:
         known = column[~np.isnan(column)]
         if len(known):
             mean[i] = known.mean()
-    # clips without a miss have no recency: they say nothing of it, as the mean does
+    # clips without a miss have no recency; they get the mean, which has no effect
     filled = np.where(np.isnan(values), mean, values)
     spread = filled.std(axis=0)
     reasons = [_too_little(n, of, len(names)) for n, of in zip(n_with, spread, strict=True)]
@@ -139,7 +139,7 @@ def find_drivers(ranks: pd.DataFrame, clips: pd.DataFrame) -> RatingDrivers:
 
 
 def _too_little(n_with: int, spread: float, n: int) -> str:
-    """Why a driver that so many recordings have cannot be judged; empty: it can."""
+    """Explain why a driver that `n_with` recordings have cannot be judged, or return ""."""
     if n_with < LEAST_WITH:
         which = f"{n_with} of {n} recordings have" if n_with else f"no recording of {n} has"
         return f"{which} any; {LEAST_WITH} are needed"
@@ -147,17 +147,17 @@ def _too_little(n_with: int, spread: float, n: int) -> str:
 
 
 def _inflation(values: np.ndarray) -> np.ndarray:
-    """Variance inflation of each column, 1 for uncorrelated ones; shape (n_columns,)."""
-    # firm: where columns are the same, the inverse is large instead of none
+    """Compute the variance inflation of each column, 1 for uncorrelated ones, (n_columns,)."""
+    # regularised, so that the inverse is large instead of undefined for equal columns
     correlation = np.atleast_2d(np.corrcoef(values, rowvar=False)) + 1e-9 * np.eye(values.shape[1])
     inflation: np.ndarray = np.diag(np.linalg.inv(correlation))
     return inflation
 
 
 def _pairs_of(ranks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Share of people who rank clip i above clip j, and how many rank both; each (n, n)."""
+    """Return the share of people who rank clip i above clip j, and how many rank both, (n, n)."""
     wins, both = np.zeros((2, ranks.shape[1], ranks.shape[1]))
-    for row in ranks:  # over people: all pairs of all at once would not fit
+    for row in ranks:  # over people, because all pairs of all people would not fit into memory
         difference = np.subtract.outer(row, row)
         both += ~np.isnan(difference)
         wins += (difference > 0) + 0.5 * (difference == 0)
@@ -167,14 +167,14 @@ def _pairs_of(ranks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _regress(
     x: np.ndarray, above: np.ndarray, n_people: np.ndarray, recording: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Effects of the columns of `x`, and those of every resample of the recordings.
+    """Return the effects of the columns of `x`, and those of every resample of the recordings.
 
     Parameters
     ----------
     x
-        Float64, shape (n_clips, k), centred and of a spread of 1.
+        Float64, shape (n_clips, k), centred and scaled to a spread of 1.
     above, n_people
-        Of `_pairs_of`.
+        Results of `_pairs_of`.
     recording
         Number of each clip's recording.
 
@@ -189,7 +189,7 @@ def _regress(
         chance = scipy.special.expit(np.subtract.outer(height, height))
         return n_people * (above - chance), n_people * chance * (1 - chance)
 
-    for _ in range(MOST_STEPS):  # Newton's method: the likelihood has one summit
+    for _ in range(MOST_STEPS):  # Newton's method: the likelihood has a single maximum
         left, weight = slopes()
         information = x.T @ (np.diag(weight.sum(axis=1)) - weight) @ x
         step = np.linalg.solve(_firm(information), x.T @ left.sum(axis=1))
@@ -211,7 +211,7 @@ def _regress(
 
 
 def _firm(information: np.ndarray) -> np.ndarray:
-    """The matrix, or each of several, with what keeps it solvable where a driver never varies."""
+    """Regularise matrices, so that they can be solved even if a driver never varies."""
     k = information.shape[-1]
     trace = np.trace(information, axis1=-2, axis2=-1)[..., None, None]
     firm: np.ndarray = information + (1e-9 * trace + 1e-12) * np.eye(k)
@@ -221,14 +221,14 @@ def _firm(information: np.ndarray) -> np.ndarray:
 def _alpha(
     losses: np.ndarray, above: np.ndarray, n_people: np.ndarray, recording: np.ndarray
 ) -> tuple[float, float, float, str]:
-    """Alpha by the two losses, its interval, and why it is not known."""
+    """Return alpha by the two losses, its interval, and the reason if it is unknown."""
     if _inflation(losses).max() > MOST_INFLATION:
         r = np.corrcoef(losses, rowvar=False)[0, 1]
         why = f"the two losses rise and fall together (correlation {r:.2f})"
         return np.nan, np.nan, np.nan, why
     sd = losses.std(axis=0)
     b, drawn = _regress((losses - losses.mean(axis=0)) / sd, above, n_people, recording)
-    # an effect below 0 is none: nobody is pleased by misses
+    # an effect below 0 counts as 0, since nobody is pleased by misses
     b, drawn = np.maximum(b / sd, 0), np.maximum(drawn / sd, 0)
     tail = expanded_tail(int(recording.max()) + 1)
     is_known = drawn.sum(axis=1) > 0

@@ -29,8 +29,8 @@ def rating_plot(
 ) -> go.Figure:
     """Plot the saliency of every clip against its mean rank, with the line through the clips.
 
-    The line has its 95 % interval as a band; the clips farthest from it are named, five at most, by
-    the rule of `nvcore.ratings.trend.Trend`.
+    The line has its 95 % interval as a band. At most five outliers by the rule of
+    `nvcore.ratings.trend.Trend` are named.
 
     Parameters
     ----------
@@ -74,7 +74,8 @@ def rating_plot(
         xaxis=look.axis(
             "mean rank (1 = least annoying)", begins=ends[0], can_zoom=True, range=ends
         ),
-        # from 0, however far down the interval reaches: there is no saliency below
+        # the axis starts at 0, however far down the interval reaches, since saliency is never
+        # negative
         yaxis=look.axis("saliency (s)", can_zoom=True, range=[0, 1.06 * highest_s or 1]),
     )
 

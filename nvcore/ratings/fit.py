@@ -1,4 +1,4 @@
-"""Saliency parameters fitted to ratings, and how well the fit orders unseen clips."""
+"""Saliency parameters fitted to ratings, and the order of unseen clips by the fit."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from nvcore.progress import Progress, no_progress
 from nvcore.ratings.reading import DELAY
 
 LEAST_RECORDINGS: Final = 5
-"""Fewest recordings: two are left out at a time, and the rest must suffice for a fit."""
+"""Fewest recordings, since two are left out at a time and the rest must suffice for a fit."""
 HEIGHT_SHARES: Final = (0.05, 0.075, 0.15, 0.2)
-"""Midpoints of the height sigmoid that are tried besides the one in use, as shares of the picture's
-height."""
+"""Midpoints of the height sigmoid that are tried in addition to the current one, as shares of the
+picture's height."""
 TOLERANCES: Final = (0.02, 0.05, 0.1, 0.2)
 RECENCY_MIDPOINTS: Final = (0.0, 0.25, 0.5, 0.75)
 RECENCY_SPREADS: Final = (0.05, 0.1, 0.2, 0.4)
@@ -55,31 +55,33 @@ FITTED_SETTINGS: Final = (
 
 @dataclass(frozen=True)
 class Fit:
-    """The parameters that order the clips best, and how well they do on clips left out.
+    """Parameters that order the clips best, and their performance on held-out clips.
 
     Attributes
     ----------
     params
-        The settings with the fitted ones in place.
+        Settings including the fitted ones.
     changed
         The fitted parameters by name.
     share_default
-        Share of the pairs of clips that saliency with the settings in use puts in the order of
-        the mean ranks; ties of saliency count half. 0.5 is chance.
+        Share of the pairs of clips that saliency with the current settings puts in the order of the
+        mean ranks. Ties of saliency count half. 0.5 is chance.
     share_fitted
-        The same for the fit, over pairs whose recordings it was not fitted to: the honest value.
+        The same for the fit, over pairs from recordings not used for fitting: the honest value.
     share_training
-        The same over the pairs that it was fitted to; too good by construction, not a result.
+        The same over the pairs used for fitting, which is too good by construction and not a
+        result.
     n_pairs, n_clips, n_settings
-        Pairs of clips with different mean ranks, clips, combinations of parameters tried.
+        Numbers of pairs of clips with different mean ranks, clips, combinations of parameters
+        tried.
     low, high
-        95 % interval of `share_fitted`, from resampling the recordings; NaN: `reason` says why.
+        95 % interval of `share_fitted`, from resampling the recordings; NaN for the given `reason`.
     gain_low, gain_high
         The same for ``share_fitted - share_default``, the gain of the fit.
     n_recordings
-        Recordings that were resampled.
+        Number of resampled recordings.
     reason
-        Why there is no interval; empty if there is one.
+        Reason for having no interval; empty if there is one.
     """
 
     params: Params
@@ -108,28 +110,28 @@ def fit_saliency(
 
     Every combination of the values above is tried. Each pair of clips is judged by the one that
     orders the clips of all other recordings best (leave-pair-out cross-validation, Airola et al.
-    2011, by recordings), so that no pair is judged by a fit that has seen it.
+    2011, by recordings), so no pair is judged by a fit that has seen it.
 
     Parameters
     ----------
     result
-        The comparison, with the settings in use.
+        Comparison with the current settings.
     clips
-        Of `nvcore.ratings.validation.join_clips`.
+        Clips from `nvcore.ratings.validation.join_clips`.
     progress
         Called after each sigmoid, tolerance and kind of events.
 
     Notes
     -----
     The intervals are percentiles of 10,000 resamples of the recordings, with their clips. Each
-    pair keeps the setting that judged it: they say how much the share depends on the recordings
-    rated, not how a fit to others would have come out. A clip and its copy in a resample are no
+    pair keeps the setting that judged it: the intervals show how much the share depends on the
+    rated recordings, not the result of a fit to others. A clip and its copy in a resample are not a
     pair.
 
     Raises
     ------
     InputError
-        With fewer than five recordings among the clips, or where all mean ranks are the same.
+        If the clips are from fewer than five recordings, or all mean ranks are equal.
     """
     recording = pd.factorize(clips["recording"])[0]
     if recording.max(initial=-1) + 1 < LEAST_RECORDINGS:
@@ -183,7 +185,7 @@ def fit_saliency(
 
 
 def _front_settings(result: Result) -> Iterator[Params]:
-    """Settings whose saliency events differ in more than their weight."""
+    """Yield settings whose saliency events differ in more than their weight."""
     height = float(result.dataset.recordings["height"].max())
     sigmoids: list[dict[str, Any]] = [{}]
     if result.params.proximity == "height":
@@ -214,7 +216,9 @@ def _back_settings(front: Params) -> Iterator[Params]:
 
 
 def _events(result: Result, params: Params) -> tuple[np.ndarray, ...]:
-    """Recording, weight (s) by `params`, tau and rest (s) of the saliency events of X and of Y.
+    """Return recording, weight (s) by `params`, tau and rest (s) of the saliency events of X and Y.
+
+    Recordings of Y are numbered after those of X. Events weighed by risk serve both weights.
 
     Recordings of Y count after those of X. Events weighed by risk serve both weights.
     """
@@ -233,12 +237,12 @@ def _events(result: Result, params: Params) -> tuple[np.ndarray, ...]:
 def _of_recordings(
     events: tuple[np.ndarray, ...], params: Params, delay_s: np.ndarray
 ) -> np.ndarray:
-    """Saliency of all recordings with X, then with Y, seconds, as `params` weigh the events.
+    """Return the saliency of all recordings with X, then with Y, s, weighing events by `params`.
 
     Parameters
     ----------
     delay_s
-        Seconds from the end of each to its rating, in the same order; float64.
+        Seconds from the end of each recording to its rating, in the same order; float64.
     """
     recording, weight_s, tau, rest_s = events
     weight_s = weight_s * recency_weight(tau, rest_s + delay_s[recording], params)
@@ -260,7 +264,7 @@ def _agreement(saliency: np.ndarray, order: np.ndarray, recording: np.ndarray) -
     Parameters
     ----------
     saliency
-        Of each clip at each setting, float64, shape (settings, clips).
+        Saliency of each clip at each setting, float64, shape (settings, clips).
     order
         Sign of the difference of the ratings, shape (clips, clips).
     recording
@@ -268,8 +272,8 @@ def _agreement(saliency: np.ndarray, order: np.ndarray, recording: np.ndarray) -
 
     Returns
     -------
-    Pairs in the order of the ratings less those in the other, summed over the clips of each two
-    recordings; int16, shape (settings, recordings, recordings): with float64, and clip by clip, the
+    Pairs in the order of the ratings minus those in the other, summed over the clips of each two
+    recordings; int16, shape (settings, recordings, recordings). With float64, and clip by clip, the
     settings of 200 recordings would take gigabytes.
     """
     by_recording = np.argsort(recording, kind="stable")
@@ -299,7 +303,7 @@ def resample_pairs(drawn: np.ndarray, sums: np.ndarray) -> np.ndarray:
     drawn
         How often each recording was drawn; float64, shape (n_resamples, n_recordings).
     sums
-        Of `sum_by_recording`.
+        Result of `sum_by_recording`.
 
     Returns
     -------
@@ -312,14 +316,17 @@ def resample_pairs(drawn: np.ndarray, sums: np.ndarray) -> np.ndarray:
 
 
 def _agreement_held_out(agreement: np.ndarray) -> np.ndarray:
-    """Agreement (of `_agreement`) on every two recordings, by the setting best without both."""
+    """Return the agreement on every two recordings by the best setting without both.
+
+    See `_agreement`.
+    """
     n = agreement.shape[1]
     row = agreement.sum(axis=2, dtype=np.int64)
     total = row.sum(axis=1)
     within = np.einsum("saa->sa", agreement).astype(np.int64)
     outside = 2 * row - within  # leaves with a recording: its row and column, itself only once
     best = np.empty((n, n), dtype=np.int64)
-    for i in range(n):  # over recordings: the whole cube of scores would not fit in memory
+    for i in range(n):  # over recordings, because the whole cube of scores would not fit in memory
         between = agreement[:, i, :].astype(np.int64)
         remaining = total[:, None] - outside[:, [i]] - outside + 2 * between
         remaining[:, i] = total - outside[:, i]
@@ -329,12 +336,12 @@ def _agreement_held_out(agreement: np.ndarray) -> np.ndarray:
 
 
 def _intervals(fitted: np.ndarray, start: np.ndarray, counts: np.ndarray) -> dict[str, Any]:
-    """Intervals of the fit's share and of its gain, and why there are none, as fields of `Fit`.
+    """Return intervals of the fit's share and gain, or the reason for none, as fields of `Fit`.
 
     Parameters
     ----------
     fitted, start, counts
-        Agreement by the fits and by the settings in use, and number, of the pairs of clips of each
+        Agreement by the fits and by the current settings, and number of pairs of clips, for each
         two recordings; float64, (n, n).
     """
     n, names = len(counts), ("low", "high", "gain_low", "gain_high")
@@ -354,5 +361,5 @@ def _intervals(fitted: np.ndarray, start: np.ndarray, counts: np.ndarray) -> dic
 
 
 def _share(agreement: float | np.floating, n_pairs: int) -> float:
-    """Share of pairs in the order of the ratings, from the sum of agreements of -1..1."""
+    """Return the share of pairs ordered like the ratings, from the sum of agreements of -1..1."""
     return 0.5 + 0.5 * float(agreement) / n_pairs

@@ -21,42 +21,42 @@ RATINGS_FILE: Final = "ratings_simulated.csv"
 
 
 def read_ratings(path: Path) -> pd.DataFrame:
-    """Ratings from a CSV file; see `parse_ratings`."""
+    """Read ratings from a CSV file (see `parse_ratings`)."""
     return parse_ratings(path.read_bytes(), name=path.name)
 
 
 def parse_ratings(content: bytes, *, name: str) -> pd.DataFrame:
-    """Ratings from CSV text with the columns participant, clip, rating, perhaps system and delay_s.
+    """Parse ratings from CSV text with participant, clip, rating, perhaps system and delay_s.
 
-    Fields are separated by comma, semicolon or tab, whichever is commonest in the first line. With
-    semicolons, ratings may have a decimal comma.
+    Fields are separated by comma, semicolon or tab, whichever is most frequent in the first line.
+    With semicolons, ratings may have a decimal comma.
 
     Parameters
     ----------
     content
-        ``clip`` is the name of a recording; ``system`` the one whose boxes were shown. A higher
-        rating means more annoying. An empty rating is a missing one. ``delay_s`` is the time from
-        the clip's end to the rating, seconds; empty: not known.
+        ``clip`` is the name of a recording, ``system`` the system whose boxes were shown. A higher
+        rating means more annoying. An empty rating is missing. ``delay_s`` is the time from the
+        clip's end to the rating, seconds; empty if unknown.
     name
         Name of the file, for messages.
 
     Returns
     -------
     Columns ``participant``, ``clip``, ``system`` (str; empty: unknown) and ``rating`` (float64;
-    NaN: missing), in the file's order; ``delay_s`` (float64, NaN: not known) if the file has it.
-    Participants whose names differ in capitals or spaces only are one, by the first spelling.
+    NaN: missing), in the file's order; ``delay_s`` (float64, NaN: unknown) if the file has it.
+    Participant names that differ only in capitals or spaces are the same, by the first spelling.
 
     Raises
     ------
     FormatError
-        If a column or a field is missing, a rating is no number, a delay is none or below 0, the
-        system is given for some clips only, or a participant rates a clip twice.
+        If a column or a field is missing, a rating is not a number, a delay is not a number or
+        below 0, the system is given for only some clips, or a participant rates a clip twice.
     """
     return check_ratings(parse_table(content, name=name, what="ratings", required=REQUIRED))
 
 
 def check_ratings(table: TextTable) -> pd.DataFrame:
-    """Ratings from a table of text, otherwise as `parse_ratings`."""
+    """Check ratings from a table of text, see `parse_ratings`."""
     names = pd.Series(table.texts("participant"), dtype=str)
     names = names.groupby(names.map(fold_name), sort=False).transform("first")
     columns = ["participant", "clip"]

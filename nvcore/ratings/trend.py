@@ -1,4 +1,4 @@
-"""The line through saliency over mean rank, and the clips that lie far from it."""
+"""Line through saliency over mean rank, and the clips that lie far from it."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from nvcore.ratings.validation import LEAST_CLIPS, SEED
 
 N_RESAMPLES: Final = 2_000
 N_POINTS: Final = 41
-"""Places along the line at which its interval is given."""
+"""Number of points along the line at which its interval is given."""
 OUTLIER_SPREADS: Final = 3.0
-"""An outlier lies so many robust standard deviations from the line."""
+"""Least distance of an outlier from the line, in robust standard deviations."""
 MAD_TO_SD: Final = 1.4826
 """Standard deviation of a normal distribution over its median absolute deviation."""
 
@@ -27,11 +27,11 @@ class Trend:
     Attributes
     ----------
     slope_s, low_s, high_s
-        Seconds of saliency for one rank more, with the 95 % interval.
+        Seconds of saliency per rank, with the 95 % interval.
     rank, saliency_s, least_s, most_s
-        Places along the line, the line there, and its 95 % interval; float64, shape (n_points,).
+        Positions along the line, the line there, and its 95 % interval; float64, shape (n_points,).
     residual_s
-        How far above the line each clip is; float64, shape (n_clips,).
+        Distance of each clip above the line; float64, shape (n_clips,).
     is_outlier
         Clips more than three robust standard deviations (1.4826 times the median distance from the
         line) away from it; bool, shape (n_clips,).
@@ -49,17 +49,17 @@ class Trend:
 
 
 def fit_trend(clips: pd.DataFrame) -> Trend | None:
-    """The line through the clips; None with fewer than five clips, or all of one rank.
+    """Fit the line through the clips, None with fewer than five clips, or all of one rank.
 
     Parameters
     ----------
     clips
-        Of `nvcore.ratings.validation.join_clips`.
+        Clips from `nvcore.ratings.validation.join_clips`.
 
     Notes
     -----
-    Intervals are percentiles of 2,000 resamples of the recordings with a fixed seed: the clips of
-    one recording, shown with two systems, leave and stay together.
+    Intervals are percentiles of 2,000 resamples of the recordings with a fixed seed. The clips of
+    one recording, shown with two systems, are drawn together.
     """
     x, y = (clips[name].to_numpy(dtype=float) for name in ("mean_rank", "saliency_s"))
     if len(clips) < LEAST_CLIPS or np.ptp(x) == 0:
@@ -75,13 +75,13 @@ def fit_trend(clips: pd.DataFrame) -> Trend | None:
     slopes, heights = _lines(drawn @ by_recording)
     rank = np.linspace(x.min(), x.max(), N_POINTS)
     tails = 50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)
-    is_line = np.isfinite(slopes)  # a resample may hold one rank only
+    is_line = np.isfinite(slopes)  # a resample may have only one rank
     lines = heights[is_line, None] + slopes[is_line, None] * (rank - middle)
     least_s, most_s = np.percentile(lines, tails, axis=0)
     low_s, high_s = np.percentile(slopes[is_line], tails)
     residual_s = y - (height + slope * (x - middle))
     spread_s = MAD_TO_SD * np.median(np.abs(residual_s))
-    # what rounding leaves of a perfect line is no distance
+    # rounding errors around a perfect line are no distance
     limit_s = max(OUTLIER_SPREADS * spread_s, 1e-9 * np.abs(y).max())
     return Trend(
         *(float(slope), float(low_s), float(high_s)),
@@ -91,7 +91,7 @@ def fit_trend(clips: pd.DataFrame) -> Trend | None:
 
 
 def _lines(sums: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Slope, and height at 0, of the least-squares lines by the sums of 1, x, y, xx, xy."""
+    """Return slope and value at 0 of the least-squares lines from the sums of 1, x, y, xx, xy."""
     n, x, y, xx, xy = np.moveaxis(sums, -1, 0)
     spread = n * xx - x * x
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -1,4 +1,4 @@
-"""Saliency against people: whether it rises with the mean rank of annoyance."""
+"""Saliency compared with people: its correlation with the mean rank of annoyance."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LEAST_CLIPS: Final = 5
 N_RESAMPLES: Final = 5_000
 SEED: Final = 20_110_360
 BATCH_CELLS: Final = 2_000_000
-"""Pairs of clips processed at a time: bounds the memory of the bootstrap."""
+"""Pairs of clips processed at a time, which limits the memory of the bootstrap."""
 MOST_IN_PAIRS: Final = 120
 """Most clips for which all pairs of all resamples are processed at once."""
 Statistic = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -32,20 +32,20 @@ Statistic = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Correlation:
-    """A correlation over clips with its 95 % interval.
+    """Correlation over clips with its 95 % interval.
 
     Attributes
     ----------
     name
-        Of the coefficient.
+        Name of the coefficient.
     value
-        -1..1; NaN where it is undefined.
+        -1..1; NaN if undefined.
     low, high
-        BCa bootstrap interval over clips; NaN where it is undefined.
+        BCa bootstrap interval over clips; NaN if undefined.
     p
-        Two-sided p-value of no correlation; NaN where `value` is.
+        Two-sided p-value of no correlation; NaN if `value` is.
     note
-        Why something is undefined; else empty.
+        Reason for undefined values, else empty.
     """
 
     name: str
@@ -57,23 +57,23 @@ class Correlation:
 
 
 def clip_saliency(result: Result, delay_s: pd.Series | None = None) -> pd.DataFrame:
-    """Saliency of every clip with the boxes of X and with those of Y, and what it loses.
+    """Compute the saliency of every clip with the boxes of X and with those of Y, and its losses.
 
     Parameters
     ----------
     result
-        The comparison whose recordings are the clips (`nvcore.ratings.clips.compare_clips`).
+        Comparison whose recordings are the clips (`nvcore.ratings.clips.compare_clips`).
     delay_s
-        Of `mean_delay`: with recency in seconds the time from a clip's end to its rating counts as
-        well. None: clips are rated as they end.
+        Result of `mean_delay`. With recency in seconds, the time from a clip's end to its rating
+        counts, too. None: clips are rated as they end.
 
     Returns
     -------
-    First all of X, then of Y: ``clip``, ``system``, ``saliency_s`` (0 is best), ``delay_s``
-    (seconds, 0 where it is not known); ``recording`` that the clip is of; means over its time of
-    ``loss_miss``, ``D(G, S) / (W/2)``, and ``loss_false``, ``D(S, G) / (W/2)``, both before alpha
-    weighs them; ``missed_s``, seconds of its saliency events, and ``recency``, the mean of theirs
-    by duration (0..1; NaN without any).
+    Rows of X, then of Y: ``clip``, ``system``, ``saliency_s`` (0 is best), ``delay_s`` (seconds, 0
+    if unknown), ``recording`` of the clip; means over its time of ``loss_miss``, ``D(G, S) /
+    (W/2)``, and ``loss_false``, ``D(S, G) / (W/2)``, both before weighing by alpha; ``missed_s``,
+    seconds of its saliency events, and ``recency``, their mean recency by duration (0..1; NaN
+    without any).
     """
     frames = result.dataset.frame_columns
     names = result.dataset.recordings["name"].astype(str).tolist()
@@ -118,7 +118,7 @@ def mean_delay(ratings: pd.DataFrame) -> pd.Series:
     Parameters
     ----------
     ratings
-        Of `nvcore.ratings.reading.read_ratings`; without ``delay_s`` there is no row.
+        Table from `nvcore.ratings.reading.read_ratings`. Without ``delay_s`` there are no rows.
     """
     if DELAY not in ratings:
         return pd.Series(dtype=float, index=pd.MultiIndex.from_arrays([[], []]))
@@ -129,7 +129,7 @@ def mean_delay(ratings: pd.DataFrame) -> pd.Series:
 def split_known(
     ratings: pd.DataFrame, saliency: pd.DataFrame, *, system: str = ""
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The ratings of clips of this comparison, and those of others, which enter no measure.
+    """Split ratings into those of this comparison's clips, and others, which no measure uses.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def split_known(
     saliency
         Of `clip_saliency`.
     system
-        Whose boxes the clips showed, where the ratings do not say; it is filled in.
+        System whose boxes the clips showed, filled in if the ratings do not say.
 
     Raises
     ------
@@ -162,13 +162,13 @@ def _none_known(clips: pd.Series) -> InputError:
 
 
 def join_clips(ranks: pd.DataFrame, saliency: pd.DataFrame) -> pd.DataFrame:
-    """Mean rank and saliency of the clips that have both.
+    """Join mean rank and saliency of the clips that have both.
 
     Parameters
     ----------
     ranks
-        Of `agreement.rank_ratings`; ratings that do not say whose boxes a clip
-        showed go through `split_known` first.
+        Ranks from `agreement.rank_ratings`. Ratings without a system must go through `split_known`
+        first.
     saliency
         Of `clip_saliency`.
 
@@ -204,7 +204,7 @@ def _spearman(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _kendall(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Tau-b over the last axis: the cosine between the signs of all differences."""
+    """Return tau-b over the last axis: the cosine between the signs of all differences."""
     if x.shape[-1] > MOST_IN_PAIRS:
         return _kendall_by_sorting(x, y)
     a = np.sign(x[..., :, None] - x[..., None, :])
@@ -216,7 +216,7 @@ def _kendall(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _kendall_by_sorting(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Tau-b in n log n, one resample after another."""
+    """Return tau-b in n log n, one resample after another."""
     rows_x, rows_y = (values.reshape(-1, values.shape[-1]) for values in np.broadcast_arrays(x, y))
     taus = [scipy.stats.kendalltau(a, b).statistic for a, b in zip(rows_x, rows_y, strict=True)]
     tau: np.ndarray = np.array(taus).reshape(np.broadcast_shapes(x.shape, y.shape)[:-1])
@@ -232,13 +232,13 @@ COEFFICIENTS: Final = (
 
 
 def correlate(saliency_s: np.ndarray, mean_rank: np.ndarray) -> list[Correlation]:
-    """Pearson's r, Spearman's rho and Kendall's tau of saliency and mean rank over clips.
+    """Compute Pearson's r, Spearman's rho and Kendall's tau of saliency and mean rank over clips.
 
     Notes
     -----
     Intervals are bias-corrected and accelerated (BCa), from 5,000 resamples of the clips with a
-    fixed seed. Clips of one recording, shown with two systems, are taken as independent: with
-    few recordings the intervals are too narrow.
+    fixed seed. Clips of one recording, shown with two systems, are assumed to be independent, so
+    with few recordings the intervals are too narrow.
     """
     n = len(saliency_s)
     if n < LEAST_CLIPS:

@@ -1,4 +1,4 @@
-"""Whether alerts were worth it: what people say, and how far the kinds of alerts agree with it."""
+"""Answers on whether alerts were worth it, and their agreement with the kinds of alerts."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ EXPECTED: Final = {
     for kind in AlertKind
     if kind is not AlertKind.IGNORED
 }
-"""Answer that each kind of alert lets expect."""
+"""Expected answer for each kind of alert."""
 N_RESAMPLES: Final = 2_000
 
 
 class Alert(NamedTuple):
-    """An alert of a system, its times in s since the recording's first listed frame."""
+    """Alert of a system, with times in s since the recording's first listed frame."""
 
     recording: str
     system: str
@@ -37,22 +37,23 @@ class Alert(NamedTuple):
 
 
 def read_alerts(table: pd.DataFrame | bytes, result: Result, *, name: str = "table") -> list[Alert]:
-    """Alerts of a comparison, from a table such as ``alerts.csv`` (docs/alerts.md), or its CSV.
+    """Read alerts of a comparison from a table such as ``alerts.csv`` (docs/alerts.md), or its CSV.
 
     Ignored alerts are left out. Alerts of one system that begin and end together reach the driver
-    as one: it is asked of once, as the last of their kinds in the order of `EXPECTED`.
+    as one, so there is one question about them, with the last of their kinds in the order of
+    `EXPECTED`.
 
     Parameters
     ----------
     table
-        With recording, system (``x`` or ``y``, or its name), start_s, duration_s or end_s, kind;
-        other columns do not matter. Beside end_s a system's name goes before a letter.
+        Table with recording, system (``x`` or ``y``, or its name), start_s, duration_s or end_s,
+        kind. Other columns are ignored. With end_s, a system's name takes priority over a letter.
 
     Raises
     ------
     FormatError
-        If a column or field is missing, a time is none, an alert ends before it begins, the kind
-        is no `AlertKind`, or the comparison has no such recording, system or time.
+        If a column or field is missing, a time is invalid, an alert ends before it begins, the kind
+        is not an `AlertKind`, or the comparison has no such recording, system or time.
     """
     content = table if isinstance(table, bytes) else to_csv_bytes(table)
     required = ("recording", "system", "start_s", "kind")
@@ -85,21 +86,21 @@ def read_alerts(table: pd.DataFrame | bytes, result: Result, *, name: str = "tab
 
 
 def agreement_of_kinds(answers: pd.DataFrame) -> pd.DataFrame:
-    """How far the kinds of alerts agree with what people say of them.
+    """Measure how far the kinds of alerts agree with people's answers.
 
-    Of a kind, ``share`` is over the answers to its alerts. Its kappa is over these and the answers
-    to all alerts that let expect the other answer (`EXPECTED`): how well people tell this kind from
-    those. Among alerts of one kind alone there is nothing to tell apart.
+    The ``share`` of a kind is over the answers to its alerts. Its kappa also uses the answers to
+    all alerts with the other expected answer (`EXPECTED`): it measures how well people distinguish
+    this kind from those. With alerts of only one kind there is nothing to distinguish.
 
     Parameters
     ----------
     answers
-        ``recording``, ``kind`` and ``answer`` (of `ANSWERS`; unsure ones are counted, and left out
-        of shares); ``alert`` tells alerts apart.
+        ``recording``, ``kind`` and ``answer`` (of `ANSWERS`; unsure ones are counted, but left out
+        of shares); ``alert`` identifies alerts.
 
     Returns
     -------
-    First ``all`` kinds, then each that there is: ``kind``, ``n_alerts``, ``n_answers``,
+    First ``all`` kinds, then each existing kind: ``kind``, ``n_alerts``, ``n_answers``,
     ``n_unsure``, ``share`` of the answers that are as expected, Cohen's ``kappa`` of expected and
     given answers (1: the same, 0: as by chance; NaN where both are always the same), each with its
     95 % interval ``_low``, ``_high``.
@@ -151,7 +152,7 @@ def agreement_of_kinds(answers: pd.DataFrame) -> pd.DataFrame:
 
 
 def _agree(sums: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Share and kappa from the sums of `agreement_of_kinds`, shape (..., 6)."""
+    """Return share and kappa from the sums of `agreement_of_kinds`, shape (..., 6)."""
     both, first, second, neither, agreed, asked = np.moveaxis(np.asarray(sums, dtype=float), -1, 0)
     n = both + first + second + neither
     with np.errstate(invalid="ignore", divide="ignore"):
