@@ -158,7 +158,10 @@ def p_value(p: float) -> str:
 
 
 def p_text(p: float, p_corrected: float) -> str:
-    """Format p, with the corrected p if it differs: "p = 0.18; 0.6 after correction"."""
+    """Format p, with the corrected p if it differs.
+
+    For example: "p = 0.18; 0.6 after correction".
+    """
     own = f"p {'' if p < 0.001 else '= '}{p_value(p)}"
     return own if p == p_corrected else f"{own}; {p_value(p_corrected)} after correction"
 
