@@ -21,9 +21,9 @@ from nvcore.evidence.paired_tests import holm
 SMALLEST_SD: Final = 1e-60
 """Smallest SD. Fourth powers of smaller ones underflow."""
 MOST_PERSONS: Final = 100_000
-"""More is no study."""
+"""Largest study size considered."""
 LARGEST_EFFECT: Final = 20.0
-"""Two persons show a larger one; noncentral distributions are not computed there."""
+"""Effect that two persons show already. Noncentral distributions are not computed beyond it."""
 PAIR_COLUMNS: Final = (
     *("test", "first", "second", "difference", "low", "high", "ratio", "ratio_low", "ratio_high"),
     *("value", "df", "p", "p_corrected", "d"),
@@ -151,7 +151,7 @@ def welch_f(
     Parameters
     ----------
     n, mean, variances
-        Of k groups, shape (..., k). Variances are above 0.
+        n, mean and variance of k groups, shape (..., k). Variances are above 0.
 
     References
     ----------
@@ -270,9 +270,9 @@ def assumed_pairs(groups: Groups, correlation: float) -> pd.DataFrame:
 
 
 def residuals(values: np.ndarray) -> np.ndarray:
-    """What is left of values, shape (n, k), without the persons' and the conditions' means.
+    """Return values, shape (n, k), minus the persons' and the conditions' means.
 
-    All 0 where it is rounding.
+    They are all 0 if they are only rounding errors.
     """
     centred = values - values.mean(axis=1, keepdims=True)
     left: np.ndarray = centred - centred.mean(axis=0)
@@ -281,15 +281,15 @@ def residuals(values: np.ndarray) -> np.ndarray:
 
 
 def repeated_measures(values: np.ndarray) -> list[Test]:
-    """Repeated-measures analysis of variance, as it is and with Greenhouse and Geisser's df.
+    """Compute a repeated-measures analysis of variance, plain and with Greenhouse and Geisser's df.
 
-    F is the variance between conditions over what is left when those between conditions and
-    between persons are taken off. With two conditions it is the paired t test, ``F = t²``.
+    F is the variance between conditions over the rest, after removing those between conditions and
+    between persons. With two conditions it is the paired t test, ``F = t²``.
 
     Parameters
     ----------
     values
-        Shape (n_persons, k), of two persons and two conditions at least, without NaN.
+        Shape (n_persons, k), with at least two persons and two conditions, without NaN.
 
     References
     ----------
@@ -312,7 +312,10 @@ def repeated_measures(values: np.ndarray) -> list[Test]:
 
 
 def sphericity(values: np.ndarray) -> float:
-    """Greenhouse and Geisser's epsilon: 1 where all differences vary alike, 1 / (k - 1) at worst.
+    """Return Greenhouse and Geisser's epsilon: 1 if all differences vary alike, else less.
+
+    At worst it is 1 / (k - 1). ``tr(S)² / ((k - 1) tr(S²))``, where S is the covariance of the
+    conditions minus the persons' means. NaN without spread.
 
     ``tr(S)² / ((k - 1) tr(S²))``, S the covariance of the conditions less the persons' means; NaN
     without spread.
@@ -327,7 +330,10 @@ def sphericity(values: np.ndarray) -> float:
 
 
 def friedman(values: np.ndarray) -> Test:
-    """Friedman's test of the ranks within each person, with ties; of three conditions or more."""
+    """Compute Friedman's test of the ranks within each person, with ties.
+
+    It needs three conditions or more.
+    """
     if values.shape[1] < 3:
         return Test("friedman", reason="it needs three conditions")
     if not np.ptp(values, axis=1).any():
@@ -337,7 +343,7 @@ def friedman(values: np.ndarray) -> Test:
 
 
 def paired(values: np.ndarray, *, are_logs: bool) -> pd.DataFrame:
-    """Paired t tests of all pairs of conditions, corrected by Holm; values of shape (n, k)."""
+    """Compute paired t tests of all pairs of conditions, corrected by Holm, for values (n, k)."""
     n, k = values.shape
     first, second = pairs_of(k)
     apart = values[:, first] - values[:, second]
@@ -347,15 +353,15 @@ def paired(values: np.ndarray, *, are_logs: bool) -> pd.DataFrame:
 
 
 def power_of_f(f: float, n: int, k: int, level: float) -> float:
-    """Share of studies whose analysis of variance or two-sided t test shows a difference.
+    """Return the share of studies whose analysis of variance or two-sided t test is significant.
 
     Parameters
     ----------
     f
-        Cohen's: SD of the groups' means over the SD within groups, in two groups half of d. In
-        pairs the mean over the SD of the differences.
+        Cohen's f: SD of the groups' means over the SD within groups (half of d for two groups). For
+        pairs, mean over SD of the differences.
     n, k
-        Persons in each group, and groups. In pairs k is 1.
+        Numbers of persons in each group, and of groups. For pairs, k is 1.
 
     References
     ----------
@@ -372,14 +378,14 @@ def power_of_f(f: float, n: int, k: int, level: float) -> float:
 
 
 def persons_for(power: float, effect: float, power_of: Callable[[int], float]) -> float:
-    """Return the least n with this power, 2 or more. NaN where it is beyond `MOST_PERSONS`.
+    """Return the smallest n >= 2 with this power, NaN if it is beyond `MOST_PERSONS`.
 
     Parameters
     ----------
     effect
-        That `power_of` is about; NaN or 0: there is no such n.
+        Effect that `power_of` is for. With NaN or 0 there is no such n.
     power_of
-        Power of n persons, which grows with n.
+        Function that returns the power of n persons, increasing with n.
     """
     if not abs(effect) > 0:
         return np.nan

@@ -43,7 +43,7 @@ from nvcore.objects import PEDESTRIAN
 
 Design = Literal["same", "different", "mixed", "unknown"]
 SMALL: Final = 6
-"""In groups with fewer values or persons than this, assumptions are not checked."""
+"""Fewest values or persons in a group for checking assumptions."""
 LARGE_RATIO: Final = 3.0
 """Ratio of the largest to the smallest variance above which variances count as unequal (Dean and
 Voss 1999, Design and analysis of experiments, section 5.6)."""

@@ -1,4 +1,8 @@
-"""Permutation tests: all ways to divide the values into groups, or to exchange them within persons.
+"""Permutation tests that divide values into groups, or exchange them within persons, in all ways.
+
+Groups of values are compared by Welch's F, which does not assume equal variances. Ranks, and values
+within persons, are compared by the sum of squares between the groups. The other terms of F, H and
+Friedman's chi2 are the same in every permutation, so their p is the same.
 
 Groups of values are compared by Welch's F, which does not take equal variances for granted. Ranks,
 and values within persons, are compared by the sum of squares between the groups. The rest of F, H
@@ -26,7 +30,7 @@ MOST_VALUES: Final = 100
 N_RANDOM: Final = 10_000
 """Number of random ways if there are more."""
 TIED: Final = 1e-9
-"""Statistics that differ by this share or less are equal but for rounding."""
+"""Relative difference up to which statistics are equal except for rounding."""
 NOTHING: Final = Test("permutation", reason="there is nothing to exchange")
 NO_VARIANCE: Final = Test("permutation", reason="a group has one value alone")
 """Tests without a p-value, with the reason."""

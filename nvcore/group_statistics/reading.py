@@ -25,7 +25,7 @@ LABELS: Final = ("participant", "condition", "kind", "run", "trial", "order")
 """Columns that are never the measure."""
 TIME_UNITS: Final = ("_s", "_ms", "_min")
 MOST_COUNT: Final = 99
-"""Largest whole number that is taken for a count. Larger ones are measurements."""
+"""Largest integer that is taken for a count. Larger ones are measurements."""
 MOST_CONDITIONS: Final = 10
 """Maximum number of conditions. More have 55 or more pairs, too many to read."""
 MOST_ROWS: Final = 10_000
