@@ -1,4 +1,4 @@
-"""A result as tables, and what each column means."""
+"""Tables of a result, and the meaning of each column."""
 
 from nvcore.tables.boxes.states import FrameBoxes, gather_boxes
 from nvcore.tables.classes import classes_table, has_classes

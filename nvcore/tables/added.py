@@ -15,18 +15,18 @@ from nvcore.tables.column import Column
 
 @dataclass(frozen=True)
 class Columns:
-    """Columns of one file, which follow the core's own.
+    """Columns of one file that follow the core's own.
 
     Attributes
     ----------
     file
-        Such as ``encounters.csv``.
+        Name of the file, such as ``encounters.csv``.
     columns
-        What they hold, in order.
+        Columns in order.
     values
-        Their values by name.
+        Function that returns the values by column name.
     only_if
-        On which comparisons the file has them; None: on all.
+        Condition for including them in the file; None: always included.
     """
 
     file: str
@@ -36,7 +36,7 @@ class Columns:
 
 
 def added_columns(file: str) -> tuple[Column, ...]:
-    """What subjects add to a file, in order."""
+    """Return the columns that subjects add to a file, in order."""
     return tuple(
         replace(column, only_if=part.only_if)
         for part in chain(*contributed("columns"))
@@ -46,7 +46,7 @@ def added_columns(file: str) -> tuple[Column, ...]:
 
 
 def added_values(file: str, result: Result) -> dict[str, Any]:
-    """The values of `added_columns` that a comparison has, by name."""
+    """Return the values of the `added_columns` that a comparison has, by name."""
     values: dict[str, Any] = {}
     for part in chain(*contributed("columns")):
         if part.file == file and is_met(part.only_if, result):

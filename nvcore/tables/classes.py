@@ -1,4 +1,4 @@
-"""What matched boxes were taken for: the truth's class against the system's, counted."""
+"""Confusion of classes: the truth's class against the system's, counted over matched boxes."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ CLASS_COLUMNS: Final[tuple[Column, ...]] = (
 
 
 def has_classes(result: Result) -> bool:
-    """Whether there is something to tell: the truth has several classes, and X or Y names some."""
+    """Whether the truth has several classes and X or Y names some."""
     dataset = result.dataset
     truth = dataset.truth.label[~dataset.truth.ignore]
     return len(np.unique(truth[truth != NO_LABEL])) > 1 and any(
@@ -45,11 +45,11 @@ def names_classes(result: Result, system: SystemResult) -> bool:
 
 
 def classes_table(result: Result) -> pd.DataFrame:
-    """Matched boxes by the truth's class and the one read: `CLASS_COLUMNS`, none of 0 boxes.
+    """Count matched boxes by the truth's class and the class read, with columns `CLASS_COLUMNS`.
 
-    Boxes are matched as always, but by place alone, whatever `match_class` says: what is wrong in
-    this table is what ``match_class="same"`` takes away. Pedestrians without a class, and systems
-    that name none, have no row.
+    Combinations without boxes have no row. Boxes are matched as usual, but only by place, whatever
+    `match_class` says: the errors in this table are the matches that ``match_class="same"``
+    removes. Pedestrians without a class, and systems that name none, have no row.
     """
     parts = [
         _rows(result, letter, system)
@@ -61,7 +61,7 @@ def classes_table(result: Result) -> pd.DataFrame:
 
 
 def read_share(table: pd.DataFrame, letter: str) -> Share:
-    """The share of the matches of system "x" or "y" that have the truth's class.
+    """Return the share of the matches of system "x" or "y" that have the truth's class.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def _rows(result: Result, letter: str, system: SystemResult) -> pd.DataFrame:
 
 
 def matches_by_place(result: Result, system: SystemResult) -> Matches:
-    """Which detections match, by place alone, whatever `match_class` says."""
+    """Return the matches by place only, whatever `match_class` says."""
     if result.params.match_class == "any":
         return system.matches
     dataset = result.dataset

@@ -1,4 +1,4 @@
-"""A column of the report: its name, unit, type and meaning."""
+"""Column of the report: its name, unit, type and meaning."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from nvcore.measures.entry import Condition, Measure
 
 
 class CellKind(StrEnum):
-    """What the cells of a column are."""
+    """Type of a column's cells."""
 
     TEXT = "text"
     INTEGER = "integer"
@@ -21,24 +21,24 @@ class CellKind(StrEnum):
 
 @dataclass(frozen=True)
 class Column:
-    """One column of a CSV file, or one key of ``summary.json``.
+    """Column of a CSV file, or key of ``summary.json``.
 
     Attributes
     ----------
     name
-        Its name in the file.
+        Name in the file.
     kind
-        What the cells are.
+        Type of the cells.
     unit
-        Unit or range; empty: none.
+        Unit or range; empty for none.
     meaning
         One sentence; a template with words of the objects (`nvcore.wording.objects`).
     better
-        ``"high"`` or ``"low"`` where one is better; empty: neither.
+        ``"high"`` or ``"low"`` if one is better, else empty.
     empty
-        When the cell is empty (in JSON: null), likewise; empty: never.
+        Case in which the cell is empty (in JSON: null), a template as well; empty: never.
     only_if
-        On which comparisons files have it; None: on all.
+        Condition for including it in files; None: always included.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Column:
 
 
 def measure_column(measure: Measure) -> Column:
-    """The column of a measure for a system over all recordings."""
+    """Return the column of a measure for a system over all recordings."""
     return Column(
         measure.key,
         CellKind.INTEGER if measure.form == "d" else CellKind.NUMBER,
@@ -64,7 +64,7 @@ def measure_column(measure: Measure) -> Column:
 
 
 def of_both(*columns: Column) -> tuple[Column, ...]:
-    """The columns of X, then the same of Y."""
+    """Return the columns of X, then the same of Y."""
     return tuple(
         replace(column, name=f"{column.name}_{letter}") for letter in "xy" for column in columns
     )

@@ -1,4 +1,4 @@
-"""What the columns of ``significance.csv``, ``subgroups.csv`` and ``matrix.csv`` hold."""
+"""Columns of ``significance.csv``, ``subgroups.csv`` and ``matrix.csv``."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ _WITHIN = "within these recordings"
 
 
 def _of_both(column: Column) -> tuple[Column, Column]:
-    """The column of the first system, then that of the second."""
+    """Return the column of the first system, then that of the second."""
     return replace(column, name=f"{column.name}_x"), replace(column, name=f"{column.name}_y")
 
 

@@ -1,4 +1,4 @@
-"""Summary of one frame: who is there, which system misses whom, and what each box costs."""
+"""Summary of one frame: its pedestrians, the systems that miss them, and the cost of each box."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ DETECTION_WORDS: Final[dict[str, Words]] = {
 
 
 MISSED_BY: Final = np.array(["", "Y", "X", "X and Y"], dtype=object)
-"""By whom a pedestrian is missed, by 2 if X does plus 1 if Y does."""
+"""Systems that miss a pedestrian, indexed by 2 if X does plus 1 if Y does."""
 OUTCOME: Final = np.array(["match", "false"], dtype=object)
 
 
@@ -83,16 +83,15 @@ class SystemSummary:
     Attributes
     ----------
     name
-        The system's name.
+        Name of the system.
     similarity, similarity_window
-        Of this frame and its moving mean, 0..1, 1 is best.
+        Similarity of this frame and its moving mean, 0..1, 1 is best.
     n_det, matched, false_alarms
-        Detections that count; pedestrians matched; detections that match nobody.
+        Numbers of detections that count, matched pedestrians, and detections that match nobody.
     n_absorbed
-        Detections on ignore regions; they count for nothing.
+        Number of detections on ignore regions, which do not count.
     loss_miss, loss_false
-        What the frame loses to misses and to false alarms; 0 is best, similarity is what is left
-        of 1.
+        Loss of the frame to misses and to false alarms, 0 is best. Similarity is 1 minus both.
     """
 
     name: str
@@ -119,17 +118,19 @@ class FrameSummary:
     frame, time_s
         Frame number; seconds since the recording's first listed frame.
     n_truth, n_ignored
-        Pedestrians, and boxes that the truth ignores.
+        Numbers of pedestrians, and of boxes that the truth ignores.
     x, y
         The two systems.
     pedestrians
-        The largest term first, columns track, height_px, distance_m (NaN unknown), proximity
+        Table sorted by largest term, with columns track, height_px, distance_m (NaN unknown),
+        proximity
         weight k, is_relevant (``k >= 0.5``), is_matched_x and is_matched_y, missed_by
         (``X and Y``, ``X``, ``Y`` or empty), is_salient_x and is_salient_y (the most salient
         miss), border_px, nearest_px_x and nearest_px_y (infinite: no detection), term_x and term_y
         (own term of D(G, S) as a share of W/2, 0 is best), cost (of a miss, 0 to 1).
     detections
-        Those that count, the largest term first, columns system (``X`` or ``Y``), outcome
+        Table of counted detections sorted by largest term, with columns system (``X`` or ``Y``),
+        outcome
         (``match`` or ``false``), term (own term of D(S, G) as a share of W/2, 0 is best), k,
         border_px, nearest_px (infinite: no pedestrian), score (NaN: none).
     """
@@ -249,7 +250,7 @@ def _detections(result: Result, row: int) -> pd.DataFrame:
 def _system_summary(result: Result, system: SystemResult, row: int) -> SystemSummary:
     frames, alpha = result.dataset.frame_columns, result.params.alpha
     state = system.matches.state[result.dataset.system(system.name).rows_of(row, row + 1)]
-    # of this frame alone: `SystemResult.loss_miss` would be that of all
+    # only of this frame, as `SystemResult.loss_miss` would compute all frames
     half_width = frames.half_width[row]
     return SystemSummary(
         name=system.name,

@@ -1,4 +1,4 @@
-"""Influence of single recordings on who is ahead."""
+"""Influence of single recordings on which system is ahead."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def similarity_without_each(result: Result) -> pd.DataFrame:
 
     Returns
     -------
-    A row for each recording with frames: recording (name), x and y (0 to 1, 1 is best). Empty where
+    A row for each recording with frames: recording (name), x and y (0 to 1, 1 is best). Empty if
     fewer than two recordings have frames.
     """
     frames = result.dataset.frame_columns
@@ -43,7 +43,11 @@ def similarity_without_each(result: Result) -> pd.DataFrame:
 
 
 def leads(result: Result) -> tuple[Note, ...]:
-    """Return who is ahead, and whether leaving out one recording changes that.
+    """Return which system is ahead, and whether leaving out one recording changes that.
+
+    The first note is about mean similarity, the second about encounters detected, severity and
+    false-alert episodes, each per encounter near enough to count or per second. There are no notes
+    if fewer than two recordings have frames, or no system is ahead. They say nothing about chance.
 
     The first note is about mean similarity, the second about encounters detected, severity and
     false-alert episodes, each per encounter near enough to count or per second. There are none if

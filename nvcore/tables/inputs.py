@@ -1,4 +1,4 @@
-"""Tables of the inputs: sources, rows that could not be placed, what each finding concerns."""
+"""Tables of the inputs: sources, rows that could not be used, subjects of each finding."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from nvcore.schema import NO_TRACK
 from nvcore.tables.columns import column_names
 
 NO_ROW = -1
-"""In place of the row of a frame that is not evaluated."""
+"""Value for the row of a frame that is not evaluated."""
 
 
 def inputs_table(dataset: Dataset) -> pd.DataFrame:
-    """From what each source was read, and how.
+    """Tabulate the sources and how they were read.
 
     Returns
     -------
     One row per source, in the order of ``boxes.source``: the truth, then the systems. Columns:
     subject ("truth" or the system's name), first_file (its name), n_files, format, conversion (in
-    words), left_out (what of the files is not used, in words), n_boxes (placed boxes, those to be
-    ignored too). No rows for data made in memory.
+    words), left_out (unused content of the files, in words), n_boxes (boxes used, including ignored
+    ones). No rows for data made in memory.
     """
     source, subjects = pd.factorize(dataset.inputs["subject"])
     first = dataset.inputs.drop_duplicates("subject", ignore_index=True)
@@ -49,13 +49,13 @@ def inputs_table(dataset: Dataset) -> pd.DataFrame:
 
 
 def left_out_table(dataset: Dataset) -> pd.DataFrame:
-    """How many rows of which source could not be placed: columns subject, reason, n_rows."""
+    """Count the rows of each source that could not be used: columns subject, reason, n_rows."""
     counts = dataset.left_out.groupby(["subject", "reason"], sort=False).size()
     return counts.rename("n_rows").reset_index()
 
 
 def horizons_table(dataset: Dataset) -> pd.DataFrame:
-    """Estimated horizons of the recordings that do not state theirs, as a table of recordings.
+    """Tabulate estimated horizons of the recordings that do not state theirs.
 
     Returns
     -------
@@ -73,20 +73,20 @@ def horizons_table(dataset: Dataset) -> pd.DataFrame:
 
 
 def finding_entries(dataset: Dataset, findings: Sequence[Finding]) -> pd.DataFrame:
-    """Every place that the findings concern, one row each.
+    """Tabulate every place that the findings concern, one row each.
 
     Parameters
     ----------
     dataset
-        The audited one.
+        Audited dataset.
     findings
-        Of its audit. Those about an input as a whole have no rows.
+        Findings of its audit. Findings about an input as a whole have no rows.
 
     Returns
     -------
     The columns of ``finding_entries.csv``: finding (number of the row in ``findings.csv``, from 1),
-    code, subject, recording, frame, x, y, w, h (px), score, track, file, line. What does not apply
-    is missing; rows of one finding stay in the order of its cases.
+    code, subject, recording, frame, x, y, w, h (px), score, track, file, line. Values that do not
+    apply are missing. Rows of one finding are in the order of its cases.
     """
     tables = [
         _entries(dataset, finding.cases).assign(
@@ -104,7 +104,7 @@ NO_CASES = Cases("frames", np.empty(0, np.int64))
 
 
 def entry_frames(dataset: Dataset, cases: Cases) -> np.ndarray:
-    """Row of the frames table of each case; `NO_ROW` where the frame is not evaluated."""
+    """Return the row of the frames table of each case, `NO_ROW` if it is not evaluated."""
     if cases.table == "frames":
         return cases.rows.astype(np.int64)
     if cases.table == "boxes":
@@ -124,21 +124,21 @@ def entries_as_cvat(
     label: str | None = None,
     file_names: Mapping[int, str] | None = None,
 ) -> bytes:
-    """The frames of the findings with their boxes, as CVAT for images XML 1.1.
+    """Return the frames of the findings with their boxes, as CVAT for images XML 1.1.
 
-    CVAT finds its pictures by their names. A frame whose file is known has the name of that, below
-    the recording's (``night_01/I00012.png``) where the findings are about several. The others are
-    called ``recording/000012.png``, as `nvcore convert` calls them in COCO. Cases that are no box,
-    such as a recording without detections, are pictures without boxes; rows that could not be
-    placed are left out.
+    CVAT finds pictures by name. A frame with a known file has that name, below the recording's
+    (``night_01/I00012.png``) if the findings are about several. Other frames are called
+    ``recording/000012.png``, as `nvcore convert` does in COCO. Cases without a box, such as a
+    recording without detections, are pictures without boxes. Rows that could not be used are left
+    out.
 
     Parameters
     ----------
     label
-        Of all boxes; None: the code of the finding.
+        Label of all boxes; None: the code of the finding.
     file_names
         Name of a frame's picture, by its row of the frames table
-        (`nvcore.pictures.recordings.picture_names`); None: none is known.
+        (`nvcore.pictures.recordings.picture_names`); None if unknown.
     """
     placed = [(finding, finding.cases) for finding in findings if finding.cases is not None]
     placed = [(finding, cases) for finding, cases in placed if cases.table != "left_out"]
@@ -172,7 +172,7 @@ def entries_as_cvat(
 
 
 def _entries(dataset: Dataset, cases: Cases) -> pd.DataFrame:
-    """Place, box and line of each case."""
+    """Return place, box and line of each case."""
     if cases.table == "left_out":
         table = dataset.left_out.iloc[cases.rows][["recording", "frame", "file", "line"]]
         table = table.reset_index(drop=True)
@@ -202,7 +202,7 @@ def _entries(dataset: Dataset, cases: Cases) -> pd.DataFrame:
 
 
 def _file_names(dataset: Dataset, files: np.ndarray, has_line: np.ndarray) -> np.ndarray:
-    """Name of each row's input file; None for rows that come from none."""
+    """Return the name of each row's input file, or None for rows without one."""
     names = np.array([*dataset.inputs["file"], None], dtype=object)
     number = np.where(has_line, np.nan_to_num(files.astype(float), nan=-1), -1).astype(np.int64)
     is_known = (number >= 0) & (number < len(names) - 1)

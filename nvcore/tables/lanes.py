@@ -1,4 +1,4 @@
-"""State lanes: how each system did with every pedestrian of a recording, as runs over time."""
+"""State lanes: each system's outcome for every pedestrian of a recording, as runs over time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from nvcore.scoring import SystemResult
 
 
 class LaneState(StrEnum):
-    """How a system did with a pedestrian in one frame."""
+    """Outcome of a system for a pedestrian in one frame."""
 
     IGNORED = "ignored"
     """The ground truth says not to judge the pedestrian here."""
@@ -33,7 +33,9 @@ _IGNORED, _NOT_RELEVANT, _MISSED, _MATCHED = range(len(_CODES))
 
 
 def lanes_table(result: Result, recording: int) -> pd.DataFrame:
-    """One row per run of frames in which a system's state for a pedestrian stays the same.
+    """Return one row per run of frames with the same state of a system for a pedestrian.
+
+    Frames in which the pedestrian is not annotated belong to no run and end the previous one.
 
     Frames in which the pedestrian is not annotated belong to no run and end the one before.
 
@@ -74,7 +76,7 @@ def lanes_table(result: Result, recording: int) -> pd.DataFrame:
 
 
 def miss_starts(result: Result, recording: int, system: SystemResult) -> np.ndarray:
-    """Frame rows in which one system begins to miss a relevant pedestrian.
+    """Return the frame rows in which one system begins to miss a relevant pedestrian.
 
     int64, increasing, unique; rows of the frames table.
     """
@@ -84,7 +86,9 @@ def miss_starts(result: Result, recording: int, system: SystemResult) -> np.ndar
 
 
 def _annotated_rows(result: Result, recording: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Truth rows that belong to encounters of a recording, their encounters and frame rows.
+    """Return the truth rows of a recording's encounters, with their encounters and frame rows.
+
+    They are sorted by encounter and frame, and include the ignored boxes of the encounters' tracks.
 
     Sorted by encounter and frame; includes the ignored boxes of the encounters' tracks.
     """
@@ -110,7 +114,7 @@ def _annotated_rows(result: Result, recording: int) -> tuple[np.ndarray, np.ndar
 
 
 def _codes(result: Result, system: SystemResult, rows: np.ndarray) -> np.ndarray:
-    """Index into `_CODES` of each truth row."""
+    """Return the index into `_CODES` of each truth row."""
     code = np.where(system.matches.truth_det[rows] >= 0, _MATCHED, _MISSED)
     code[result.k_truth.k[rows] < RELEVANT_K] = _NOT_RELEVANT
     code[result.dataset.truth.ignore[rows]] = _IGNORED
@@ -120,7 +124,7 @@ def _codes(result: Result, system: SystemResult, rows: np.ndarray) -> np.ndarray
 def _runs(
     rows: np.ndarray, encounter: np.ndarray, frame_row: np.ndarray, code: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Encounter, code, first and last frame row of every run."""
+    """Return encounter, code, first and last frame row of every run."""
     if not len(rows):
         empty = np.empty(0, np.int64)
         return empty, empty, empty, empty

@@ -1,4 +1,4 @@
-"""All recordings as strips of time: how much the worse system loses, and in which frame."""
+"""Strips of time for all recordings: the loss of the worse system, and its worst frames."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ MOST_RECORDINGS: Final = 60
 
 @dataclass(frozen=True, eq=False)
 class LossStrip:
-    """Recordings, the worst first, cut into bins of one length.
+    """Recordings, worst first, cut into bins of equal length.
 
     Attributes
     ----------
     recording
-        Row of the recordings of each strip; int64, shape (n_strips,).
+        Row in the table of recordings for each strip; int64, shape (n_strips,).
     lost_s_per_min
-        Similarity that the worse of the two systems loses in it, seconds per minute, 0 is best;
-        float64, shape (n_strips,), falling.
+        Similarity lost by the worse of the two systems, seconds per minute, 0 is best; float64,
+        shape (n_strips,), descending.
     loss
         Largest ``1 - M`` of either system in each bin, 0 is best; NaN after the recording's end;
         float64, shape (n_strips, n_bins).
     row
-        The frame in which it stands (the first of equals), a row of the frames table, -1 after the
-        end; int64, shape (n_strips, n_bins).
+        Frame with that loss (the first on a tie), a row of the frames table, -1 after the end;
+        int64, shape (n_strips, n_bins).
     bin_s
         Length of a bin, seconds.
     n_recordings
-        Recordings with frames, those left out included.
+        Number of recordings with frames, including those left out.
     """
 
     recording: np.ndarray
@@ -46,17 +46,17 @@ class LossStrip:
 
 
 def loss_strip(result: Result, *, n_bins: int = N_BINS, most: int = MOST_RECORDINGS) -> LossStrip:
-    """The recordings, in each bin of time the largest loss of the worse system.
+    """Compute the largest loss of the worse system in each time bin of the recordings.
 
-    The maximum, so that no bad moment is lost, however long the recordings are. A frame counts
-    until the next listed one. Recordings without frames have no strip.
+    The maximum is used so that no bad moment is lost, however long the recordings are. A frame
+    lasts until the next listed one. Recordings without frames have no strip.
 
     Parameters
     ----------
     n_bins
-        Most bins of the longest recording; no bin is shorter than the shortest evaluated frame.
+        Largest number of bins of the longest recording. No bin is shorter than the shortest frame.
     most
-        Most strips; those that lose most are kept.
+        Largest number of strips. Those that lose most are kept.
     """
     frames = result.dataset.frame_columns
     similarity = np.minimum(result.x.similarity, result.y.similarity)
@@ -91,7 +91,9 @@ def loss_strip(result: Result, *, n_bins: int = N_BINS, most: int = MOST_RECORDI
 
 
 def _least_of_each(values: np.ndarray, bins: np.ndarray, n_bins: int) -> np.ndarray:
-    """Index of the least value of each bin, the first of equals; an empty bin has the last one's.
+    """Return the index of the least value of each bin, the first on a tie.
+
+    An empty bin has the last index of the previous bin.
 
     Parameters
     ----------

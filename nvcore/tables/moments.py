@@ -1,4 +1,4 @@
-"""Moments worth looking at: where each system does worst, and where the two differ most."""
+"""Moments worth looking at: the worst ones of each system, and the largest differences."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ def encounter_moments(result: Result) -> pd.DataFrame:
     -------
     One row per encounter, columns int64: first_row, the first relevant frame (of a distant
     encounter the first annotated one); missed_row_x and missed_row_y, the first relevant frame in
-    which that system misses the pedestrian, -1 if it never does; shown_row, where the failure that
-    weighs more, X's or Y's, costs most, of the frames in which the other system detects the
-    pedestrian, if there are any; without any failure first_row.
+    which that system misses the pedestrian, -1 if it never does; shown_row, the costliest frame of
+    the heavier failure (X's or Y's), preferably one in which the other system detects the
+    pedestrian, or first_row without any failure.
     """
     encounters = result.encounters
     n, rows = len(encounters), encounters.order
@@ -154,7 +154,7 @@ def _earliest(n: int, of: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 LEAST_DIFFERENCE: Final = 0.01
-"""Least difference of similarities inside an interval; less is noise in the boxes' places."""
+"""Least difference of similarities inside an interval. Smaller ones are noise in box positions."""
 
 
 class _Span(NamedTuple):
@@ -185,7 +185,7 @@ def worst_moments(result: Result, *, n: int = 5) -> pd.DataFrame:
     last_frame of the interval; row (of the frames table), frame, time_s and the similarities of
     the frame with the lowest similarity (kinds ``x``, ``y``) or the largest difference; depth_s
     and duration_s in seconds; reason, a sentence about the whole interval that calls the systems X
-    and Y, and track, the pedestrian that it names, missing where it is about false alarms.
+    and Y, and track, the pedestrian that it names, missing if it is about false alarms.
     """
     spans = [*_low_spans(result, n), *_difference_spans(result, n)]
     frames, columns = result.dataset.frames, result.dataset.frame_columns

@@ -1,4 +1,4 @@
-"""Which picture shows the first, a middle and the last frame of each recording."""
+"""Table of the pictures that show the first, a middle and the last frame of each recording."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ if TYPE_CHECKING:  # the light core has no pictures
 
 
 def pictures_table(dataset: Dataset, opened: RecordingPictures) -> pd.DataFrame:
-    """Pictures of three frames of each recording that has some, to be looked up.
+    """Tabulate the pictures of three frames of each recording that has some, for checking.
 
     Returns
     -------
-    One row per recording with open pictures. Columns: recording, pictures (what holds them),
-    n_pictures, n_frames (evaluated), n_without (of these), and for the first, middle and last one
-    ``first_frame`` and ``first_picture`` and so on: the frame, and the file name of its picture or
-    "picture 30" (counted from 0); "none" without.
+    One row per recording with open pictures. Columns: recording, pictures (their container),
+    n_pictures, n_frames (evaluated), n_without (evaluated frames without a picture), and for the
+    first, middle and last one ``first_frame`` and ``first_picture`` and so on: the frame, and the
+    file name of its picture or "picture 30" (counted from 0); "none" without.
     """
     frames = dataset.frame_columns
     rows = []

@@ -1,4 +1,4 @@
-"""Tables made from a `Result`: what the CSV files hold and the dashboard shows."""
+"""Tables of a `Result`, for the CSV files and the dashboard."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ from nvcore.tables.columns import column_names
 
 
 def _names(result: Result, recording: np.ndarray) -> np.ndarray:
-    """Names of recordings given by row."""
+    """Return the names of recordings given by row."""
     names: np.ndarray = result.dataset.recordings["name"].to_numpy(dtype=object)[recording]
     return names
 
 
 def truth_values(values: np.ndarray, is_known: np.ndarray) -> Any:
-    """Truth values, missing where not known."""
+    """Return truth values, missing if unknown."""
     return pd.arrays.BooleanArray(values.astype(bool), ~is_known)
 
 
 def frames_table(result: Result) -> pd.DataFrame:
-    """One row per listed frame: counts, distances (px), similarity of both systems."""
+    """Return one row per listed frame: counts, distances (px), similarity of both systems."""
     frames = result.dataset.frames
     columns: dict[str, Any] = {
         "recording": _names(result, frames["recording"].to_numpy()),
@@ -64,7 +64,7 @@ def frames_table(result: Result) -> pd.DataFrame:
 
 
 def frame_numbers(result: Result, row: np.ndarray) -> Any:
-    """Frame numbers of rows of the frames table, missing where the row is -1."""
+    """Return frame numbers of rows of the frames table, missing if the row is -1."""
     frame, is_known = result.dataset.frames["frame"].to_numpy(), row >= 0
     numbers = np.zeros(len(row), np.int64)
     numbers[is_known] = frame[row[is_known]]
@@ -72,7 +72,7 @@ def frame_numbers(result: Result, row: np.ndarray) -> Any:
 
 
 def encounters_table(result: Result) -> pd.DataFrame:
-    """One row per encounter: category, how each system did, and facts about the encounter."""
+    """Return one row per encounter: category, performance of each system, and facts about it."""
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     is_near = result.is_near
     classes = classes_of(result.dataset)
@@ -114,7 +114,7 @@ def encounters_table(result: Result) -> pd.DataFrame:
 
 
 def _spans(result: Result, spans: pd.DataFrame, letter: str) -> dict[str, Any]:
-    """The columns that events, intervals and episodes share."""
+    """Return the columns that events, intervals and episodes share."""
     frames = result.dataset.frames
     first, last = spans["first_row"].to_numpy(), spans["last_row"].to_numpy()
     return {
@@ -128,12 +128,12 @@ def _spans(result: Result, spans: pd.DataFrame, letter: str) -> dict[str, Any]:
 
 
 def events_table(result: Result) -> pd.DataFrame:
-    """One row per saliency event of either system."""
+    """Return one row per saliency event of either system."""
     return located_events(result)[column_names("events.csv")]
 
 
 def located_events(result: Result) -> pd.DataFrame:
-    """`events_table`, with the rows of each event in the other tables.
+    """Return `events_table` with the rows of each event in the other tables.
 
     Returns
     -------
@@ -151,12 +151,15 @@ def located_events(result: Result) -> pd.DataFrame:
 
 
 def worst_events(result: Result, letter: str, *, n: int = 5) -> pd.DataFrame:
-    """The `n` events of one system with the largest saliency, worst first, as `located_events`."""
+    """Return one system's `n` events with the largest saliency, worst first.
+
+    The columns are those of `located_events`.
+    """
     return _worst(located_events(result), letter, "saliency_s", n)
 
 
 def intervals_table(result: Result) -> pd.DataFrame:
-    """One row per low-similarity interval of either system."""
+    """Return one row per low-similarity interval of either system."""
     frame = result.dataset.frames["frame"].to_numpy()
     tables = []
     for letter, system in result.sides:
@@ -171,7 +174,7 @@ def intervals_table(result: Result) -> pd.DataFrame:
 
 
 def episodes_table(result: Result) -> pd.DataFrame:
-    """One row per false-alert episode of either system; n_boxes are the false alarms in it."""
+    """Return one row per false-alert episode of either system, with its false alarms as n_boxes."""
     spans = [
         _spans(result, system.episodes, letter) | {"n_boxes": system.episodes["n_boxes"].to_numpy()}
         for letter, system in result.sides
@@ -180,7 +183,7 @@ def episodes_table(result: Result) -> pd.DataFrame:
 
 
 def worst_intervals(result: Result, letter: str, *, n: int = 5) -> pd.DataFrame:
-    """The `n` low-similarity intervals of one system with the largest depth, worst first."""
+    """Return one system's `n` low-similarity intervals with the largest depth, worst first."""
     return _worst(intervals_table(result), letter, "depth_s", n)
 
 
@@ -190,9 +193,9 @@ def _worst(table: pd.DataFrame, letter: str, column: str, n: int) -> pd.DataFram
 
 
 def recordings_table(result: Result) -> pd.DataFrame:
-    """One row per recording: its size, Venn counts, and the aggregates of both systems."""
+    """Return one row per recording: its size, Venn counts, and the aggregates of both systems."""
     dataset, frames = result.dataset, result.dataset.frame_columns
-    # the mean of its series, else the speed that the recording states
+    # mean of its series, or else the speed that the recording states
     by_series = dataset.frames["speed_kmh"].groupby(dataset.frames["recording"]).mean()
     speed = by_series.reindex(dataset.recordings.index).fillna(dataset.recordings["speed_kmh"])
     columns: dict[str, Any] = {
@@ -222,13 +225,16 @@ def recordings_table(result: Result) -> pd.DataFrame:
 
 
 def codes_table(codes: Iterable[CodedInterval]) -> pd.DataFrame:
-    """One row per coded interval, by recording and time, as `nvcore.inputs.codes` reads them."""
+    """Return one row per coded interval, by recording and time.
+
+    `nvcore.inputs.codes` can read it.
+    """
     rows = [of.given() for of in sorted(codes)]
     return pd.DataFrame(rows, columns=column_names("codes.csv"))
 
 
 def findings_table(findings: tuple[Finding, ...]) -> pd.DataFrame:
-    """One row per finding of the audit, as given."""
+    """Return one row per finding of the audit, in the given order."""
     names = column_names("findings.csv")
     rows = [{name: str(getattr(finding, name)) for name in names} for finding in findings]
     return pd.DataFrame(rows, columns=names).astype({"count": "int64"})

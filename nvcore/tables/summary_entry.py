@@ -1,4 +1,4 @@
-"""A key of ``summary.json`` and its value."""
+"""Key of ``summary.json`` and its value."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from nvcore.tables.column import Column
 
 
 class SummaryEntry(NamedTuple):
-    """A key and its value, by default the result's attribute of that name.
+    """Key and its value, by default the result's attribute of that name.
+
+    The value is None or NaN if undefined.
 
     None or NaN where it is undefined.
     """
@@ -20,5 +22,5 @@ class SummaryEntry(NamedTuple):
     of: Callable[[Result], Any] | None = None
 
     def value(self, result: Result) -> Any:
-        """The key's value in a comparison."""
+        """Return the key's value in a comparison."""
         return attrgetter(self.column.name)(result) if self.of is None else self.of(result)

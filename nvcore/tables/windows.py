@@ -23,8 +23,8 @@ def windows_table(result: Result) -> pd.DataFrame:
     The row over all recordings first, if there are several, then those with frames, most lost per
     minute by either system on top: recording (``all recordings`` in the first), recording_index (-1
     in the first); for each system lost_s_per_min (seconds per minute, 0 is best), window_similarity
-    (mean of the worst window, 1 is best), window_lost_s (what it loses, seconds), window_row (the
-    frame in its middle, a row of the frames table), window_recording (name) and window_time_s of
+    (mean of the worst window, 1 is best), window_lost_s (its loss, seconds), window_row (its middle
+    frame, a row of the frames table), window_recording (name) and window_time_s of
     that frame. Empty without frames.
     """
     frames = result.dataset.frame_columns
@@ -62,7 +62,7 @@ def worst_windows_note(table: pd.DataFrame) -> Note:
     Parameters
     ----------
     table
-        `windows_table`, with a row at least.
+        `windows_table` with at least one row.
     """
     of_all = table.iloc[0]
     recordings = {letter: of_all[f"window_recording_{letter}"] for letter in "xy"}

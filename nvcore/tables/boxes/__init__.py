@@ -1,1 +1,1 @@
-"""What became of every box of truth, X and Y: in one frame, and of all in a table."""
+"""Outcome of every box of truth, X and Y, for single frames and as a table of all."""

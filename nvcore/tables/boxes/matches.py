@@ -1,4 +1,4 @@
-"""One row per box of truth, X and Y: who matched whom, whether it counts, what it weighs."""
+"""Table with one row per box of truth, X and Y: its match, whether it counts, its weight."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ MATCHES: Final = "matches.parquet"
 FRAMES_AT_ONCE: Final = 50_000
 SOURCES: Final = ("truth", "x", "y")
 OF_INPUTS: Final = ("distance_m", "occlusion", "file", "line")
-"""Columns that stand as the inputs have them."""
+"""Columns copied unchanged from the inputs."""
 
 _NONE = "detection of the other system"
 _OF_BOTH = (
@@ -136,15 +136,15 @@ _OUTCOMES: Final = tuple(dict.fromkeys((*_TRUTH_OUTCOMES, *_DETECTION_OUTCOMES))
 
 
 def matches_table(result: Result, rows: slice = slice(None)) -> pd.DataFrame:
-    """One row per box in an evaluated frame, by recording and frame: truth, then X, then Y.
+    """Return one row per box in an evaluated frame, by recording and frame: truth, then X, then Y.
 
-    Detections below the threshold and ignore regions are among them; `outcome_x` and `outcome_y`
-    say what became of each. Columns are those of `MATCH_COLUMNS`.
+    Detections below the threshold and ignore regions are included; `outcome_x` and `outcome_y` have
+    their outcome. Columns are those of `MATCH_COLUMNS`.
 
     Parameters
     ----------
     rows
-        Only of these rows of the frames table.
+        Rows of the frames table to include.
     """
     start, stop, _ = rows.indices(len(result.dataset.frames))
     parts = [
@@ -157,7 +157,7 @@ def matches_table(result: Result, rows: slice = slice(None)) -> pd.DataFrame:
 
 
 def matches_parquet(result: Result) -> bytes:
-    """`matches_table` as Parquet; made for so many frames at a time, which saves memory."""
+    """Return `matches_table` as Parquet, computed in chunks of frames to save memory."""
     starts = range(0, max(len(result.dataset.frames), 1), FRAMES_AT_ONCE)
     return to_parquet_bytes(
         matches_table(result, slice(start, start + FRAMES_AT_ONCE)) for start in starts
@@ -165,7 +165,7 @@ def matches_parquet(result: Result) -> bytes:
 
 
 def _finished(result: Result, columns: dict[str, np.ndarray]) -> pd.DataFrame:
-    """The table of numbers made one of names, with what is unknown missing."""
+    """Convert the table of numbers to names, with unknown values missing."""
     inputs, names = result.dataset.inputs["file"], result.dataset.recordings["name"]
     has_line = columns["line"] > 0
     file = np.where(has_line & (columns["file"] < len(inputs)), columns["file"], -1)
@@ -187,13 +187,13 @@ def _finished(result: Result, columns: dict[str, np.ndarray]) -> pd.DataFrame:
 
 
 def _texts(codes: np.ndarray, texts: pd.Series[str]) -> Any:
-    """Texts by their numbers, -1 none; two numbers may have the same text."""
+    """Return texts by their numbers, -1 for none. Two numbers may have the same text."""
     number, unique = pd.factorize(texts.to_numpy(dtype=object))
     return categories_of(np.append(number, -1)[codes], unique)
 
 
 def _common(result: Result, boxes: BoxColumns, source: int, first: int) -> dict[str, np.ndarray]:
-    """What rows of every source have; the columns about X and Y are empty."""
+    """Return the columns common to all sources, with empty columns about X and Y."""
     frames, n = result.dataset.frame_columns, len(boxes)
     rows = slice(boxes.first_row, boxes.first_row + n)
     columns = {
@@ -277,7 +277,7 @@ def _known(values: np.ndarray, is_judged: np.ndarray) -> np.ndarray:
 
 
 def _iou(boxes: BoxColumns, others: BoxColumns, partner: np.ndarray) -> np.ndarray:
-    """Intersection over union of each box with its partner, -1 none; NaN without."""
+    """Return the IoU of each box with its partner, NaN for none (-1)."""
     iou = np.full(len(boxes), np.nan)
     rows = np.flatnonzero(partner >= 0)
     of = partner[rows]

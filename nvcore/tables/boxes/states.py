@@ -1,4 +1,4 @@
-"""The boxes of consecutive frames, and what became of each."""
+"""Boxes of consecutive frames with the outcome of each."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class TruthBoxes:
     score
         NaN: none; float32, (n,).
     track
-        NO_TRACK where none; int32, (n,). If an id of the recording does not fit int32: the rank of
+        NO_TRACK if none; int32, (n,). If an id of the recording does not fit int32: the rank of
         each id among the recording's ids.
     state_x, state_y
         `TruthState` for each system; uint8, (n,).
@@ -57,7 +57,7 @@ class DetectedBoxes:
     Attributes
     ----------
     frame, xywh, score, track
-        As in `TruthBoxes`.
+        See `TruthBoxes`.
     state
         `DetectionState`, never BELOW; int8, (n,).
     """
@@ -79,7 +79,7 @@ class FrameBoxes:
 
 
 def gather_boxes(result: Result, row_start: int, row_stop: int) -> FrameBoxes:
-    """The boxes of frames ``row_start:row_stop`` (rows of the frames table) with their states."""
+    """Return the boxes of frames ``row_start:row_stop`` (rows of the frames table) with states."""
     assert 0 <= row_start <= row_stop <= len(result.dataset.frames), (row_start, row_stop)
     rows = (row_start, row_stop)
     return FrameBoxes(
@@ -148,12 +148,12 @@ def _is_salient(system: SystemResult, boxes: slice, row_start: int, row_stop: in
 def _short_tracks(
     track: np.ndarray, offsets: np.ndarray, frames: FrameColumns, row_start: int, row_stop: int
 ) -> np.ndarray:
-    """Tracks of the boxes of some frames, as int32."""
+    """Return the tracks of the boxes of some frames as int32."""
     start, stop = offsets[row_start], offsets[row_stop]
     short = np.empty(stop - start, np.int32)
     recordings = np.unique(frames.recording[row_start:row_stop])
     for recording in recordings:  # a loop over recordings, nearly always just one
-        # the ids of the whole recording, so that all its parts are numbered alike
+        # use the ids of the whole recording, so that all its parts are numbered alike
         first, last = offsets[frames.first[[recording, recording + 1]]]
         ids = track[first:last]
         part = slice(max(start, first) - start, min(stop, last) - start)

@@ -1,4 +1,6 @@
-"""What every column of a report's files holds: unit, type and a sentence.
+"""Definitions of all columns of a report's files: unit, type and a sentence.
+
+`docs/report.md` shows these sentences, and tables on screen use them as help texts.
 
 `docs/report.md` shows these sentences; tables on screen take their help texts from here.
 """
@@ -29,7 +31,7 @@ def _measure_by_recording(measure: Measure) -> Column:
 
 
 def column_names(file: str) -> list[str]:
-    """Columns of a CSV file of the report, in order."""
+    """Return the columns of a CSV file of the report, in order."""
     return [column.name for column in report_columns()[file]]
 
 
@@ -160,7 +162,7 @@ VENN_COLUMNS: Final[tuple[Column, ...]] = (
     Column("neither", _INTEGER, "encounters", "Encounters that neither system detected."),
     Column("distant", _INTEGER, "encounters", "Encounters that never came near enough to count."),
 )
-"""Counts of encounters by who detected them, of one recording or of all."""
+"""Counts of encounters by the systems that detected them, of one recording or of all."""
 
 _RECORDINGS = (
     RECORDING,
@@ -276,10 +278,10 @@ _TABLES: Final[dict[str, tuple[str, tuple[Column, ...]]]] = {
 
 @cache
 def report_columns() -> dict[str, tuple[Column, ...]]:
-    """Columns of every CSV file of a report, in order: the core's own, then those of subjects."""
+    """Return the columns of every CSV file of a report: the core's own, then those of subjects."""
     return {file: own + added_columns(file) for file, (_, own) in _TABLES.items()}
 
 
 def table_contents() -> dict[str, str]:
-    """Contents of every CSV file of a report; templates."""
+    """Return templates that describe the contents of every CSV file of a report."""
     return {file: rows for file, (rows, _) in _TABLES.items()}

@@ -1,1 +1,1 @@
-"""Tables of encounters: what is missed of each, how it weighs, and what time was left."""
+"""Tables of encounters: misses, their weight, and the time left."""

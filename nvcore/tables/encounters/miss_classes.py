@@ -1,4 +1,4 @@
-"""Counts of encounters: miss classes of X against Y, and what a fusion of both would gain."""
+"""Counts of encounters: miss classes of X against Y, and the gain of fusing both systems."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ ALL_CLASSES: Final = "all"
 
 
 def miss_class_counts(result: Result) -> pd.DataFrame:
-    """Encounters by their miss class for X and for Y, distant ones left out.
+    """Count encounters by their miss class for X and for Y, without distant ones.
 
     Returns
     -------
     Rows: miss class for X (`MissClass`, index `miss_class_x`); columns: miss class for Y. All
-    classes are there, in the order of `MissClass`; row sums are X's counts, column sums Y's.
+    classes are included, in the order of `MissClass`. Row sums are X's counts, column sums Y's.
     """
     names = [kind.value for kind in MissClass]
     is_near = result.is_near
@@ -46,7 +46,7 @@ def miss_class_counts(result: Result) -> pd.DataFrame:
 
 
 def miss_class_totals(result: Result) -> pd.DataFrame:
-    """`miss_class_counts` with a last row and column of the sums, both called `ALL_CLASSES`."""
+    """Add a last row and column of sums, both called `ALL_CLASSES`, to `miss_class_counts`."""
     counts = miss_class_counts(result)
     counts.loc[ALL_CLASSES] = counts.sum(axis=0)
     counts[ALL_CLASSES] = counts.sum(axis=1)
@@ -54,7 +54,7 @@ def miss_class_totals(result: Result) -> pd.DataFrame:
 
 
 def class_counts(result: Result) -> pd.DataFrame:
-    """Who detects the encounters of each class, and how exclusive the misses are.
+    """Count the encounters of each class by the systems that detect them, with exclusivity.
 
     Returns
     -------
@@ -82,15 +82,15 @@ def class_counts(result: Result) -> pd.DataFrame:
 
 
 def fusion_table(result: Result) -> pd.DataFrame:
-    """What ``X or Y`` and ``X and Y`` gain in encounters and cost in false-alert episodes.
+    """Compare fused systems with X and Y: gain in encounters, cost in false-alert episodes.
 
     Returns
     -------
     One row per system of `FUSION_SYSTEMS` (column `system`): name; encounters_detected (of
-    `encounters`, which leaves distant ones out); gain_on_x, gain_on_y (encounters detected more
-    than X, than Y alone; negative: fewer); false_alert_episodes, episodes_per_hour;
+    `encounters`, which excludes distant ones); gain_on_x, gain_on_y (additional encounters compared
+    with only X or only Y; negative: fewer); false_alert_episodes, episodes_per_hour;
     more_episodes_than_x, more_episodes_than_y and the same per hour; mean_similarity (1 is best).
-    Undefined is NaN.
+    NaN is undefined.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""Encounters by what their failures weigh."""
+"""Encounters by the weight of their failures."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from nvcore.tables.result import encounters_table
 
 
 def weighed_encounters(result: Result) -> pd.DataFrame:
-    """The encounters that count, those whose failure weighs most first.
+    """Return the encounters that count, those with the heaviest failure first.
 
     Returns
     -------
     `nvcore.tables.result.encounters_table` without the distant ones, its index being the row in
     ``result.encounters``, and: severity_s, the larger of X's and Y's; shown_row, the row in the
-    frames table that is worth opening (of `nvcore.tables.moments.encounter_moments`). Equal
+    frames table that is worth opening (from `nvcore.tables.moments.encounter_moments`). Equal
     severities, such as 0, are in the order of the table.
     """
     table = encounters_table(result)

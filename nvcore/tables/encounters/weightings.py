@@ -17,25 +17,25 @@ from nvcore.params import Params, Proximity
 from nvcore.scoring import weigh_misses
 
 KINDS: Final[tuple[Proximity, ...]] = ("height", "horizon", "distance")
-"""What can tell how near a pedestrian is."""
+"""Measures of how near a pedestrian is."""
 
 
 @dataclass(frozen=True, eq=False)
 class Weightings:
-    """What an encounter is by each of `KINDS`.
+    """Results of an encounter under each of `KINDS`.
 
     Attributes
     ----------
     curves
         One row per frame of the encounter: row (of the frames table), frame, time_s, and for each
-        kind ``k_<kind>``, the proximity weight, NaN where horizon or distance are not known;
-        matched_x, matched_y. A track twice in a frame: the nearer box's weight.
+        kind ``k_<kind>``, the proximity weight, NaN if horizon or distance are unknown; matched_x,
+        matched_y. If a track occurs twice in a frame, the nearer box's weight is used.
     table
-        One row per kind, in their order: is_known; n_relevant, first_frame, last_frame (of those
-        that count); n_by_height, boxes without a distance, which count by height; and for each
-        system missed, severity_s, detected and miss_class. Missing where the kind is not known.
+        One row per kind, in order: is_known; n_relevant, first_frame, last_frame (of the relevant
+        ones); n_by_height, boxes without a distance, which count by height; and for each system
+        missed, severity_s, detected and miss_class. Values are missing if the kind is unknown.
     in_use
-        The kind that the comparison uses; empty: none of them.
+        Kind that the comparison uses; empty for none of them.
     """
 
     curves: pd.DataFrame
@@ -44,7 +44,10 @@ class Weightings:
 
 
 def compare_weightings(result: Result, encounter: int) -> Weightings:
-    """An encounter as it would be if nearness were told by height, by horizon, and by distance.
+    """Judge an encounter with nearness measured by height, by horizon, and by distance.
+
+    All other settings are those of the result. By distance, boxes without one count by height, as
+    usual. An encounter without any distance is unknown by distance.
 
     All other settings are those of the result. By distance, boxes that have none count by height,
     as ever; an encounter without any distance is not known by distance.
@@ -85,7 +88,7 @@ def compare_weightings(result: Result, encounter: int) -> Weightings:
 def _judge(
     result: Result, encounter: int, rows: np.ndarray, kind: Proximity
 ) -> tuple[np.ndarray, np.ndarray, dict[str, object]]:
-    """Weight of each truth row of an encounter, whether it is of the kind, and what follows."""
+    """Return each truth row's weight, whether it is of the kind, and the resulting table row."""
     dataset, frames = result.dataset, result.dataset.frame_columns
     params = _params_by(result, encounter, kind)
     if params is None:
@@ -124,11 +127,11 @@ def _judge(
 
 
 def _params_by(result: Result, encounter: int, kind: Proximity) -> Params | None:
-    """The result's settings with nearness told otherwise; None where that is not known."""
+    """Return the result's settings with another kind of nearness, or None if it is unknown."""
     params = replace(result.params, proximity=kind)
     if kind != "horizon":
         return params
     recording = int(result.encounters.recording[encounter])
     horizon = float(in_use(params, "horizon", result.dataset.frame_columns)[recording])
-    # as a setting: other recordings may lack theirs
+    # as a setting, because other recordings may lack theirs
     return None if np.isnan(horizon) else replace(params, horizon=horizon)
