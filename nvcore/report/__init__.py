@@ -1,1 +1,1 @@
-"""What is handed on: verdict, terminal scorecard, CSV files, gate."""
+"""Outputs of a comparison: verdict, terminal scorecard, CSV files, HTML report, gate."""

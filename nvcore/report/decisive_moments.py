@@ -64,7 +64,7 @@ def decisive_moments(result: Result) -> list[Moment]:
     the largest difference follow. If the same system does badly in several frames of a recording
     within `APART_S`, the first in this order is taken.
     """
-    # the worst of each kind before the second worst of any kind
+    # the worst of each kind comes before the second worst of any kind
     ranked = worst_moments(result, n=MOST)
     ranked = ranked.assign(rank=ranked.groupby("kind").cumcount())
     worst = [

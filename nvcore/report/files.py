@@ -1,4 +1,4 @@
-"""A `Result` as files: tables, a summary, and a session that reproduces them."""
+"""Files of a `Result`: tables, a summary, and a session that reproduces them."""
 
 from __future__ import annotations
 
@@ -48,7 +48,8 @@ from nvcore.tables.result import (
 from nvcore.tables.summary import summary
 
 ZIP_TIME: Final = (1980, 1, 1, 0, 0, 0)
-"""Time of every file in a zip, the earliest possible: the same report gives the same bytes."""
+"""Time of every file in a zip, the earliest possible, so that the same report gives the same bytes.
+"""
 
 TableFormat = Literal["csv", "parquet"]
 TABLE_FORMATS: Final = get_args(TableFormat)
@@ -59,16 +60,16 @@ REPORT_CONTENTS: Final = {
     "summary.json": "all aggregates over all recordings, parameters and version",
     SESSION_FILE: "the session: what to run to get the same report again",
 }
-"""Contents of each file that a report may have, its tables as CSV; templates."""
+"""Templates that describe each file that a report may have, with its tables as CSV."""
 REPORT_FILES: Final = (
     *REPORT_CONTENTS,
     *(str(PurePath(name).with_suffix(".parquet")) for name in table_contents()),
 )
-"""The files that a report may have, and `nvcore.output.files.MANIFEST`."""
+"""Files that a report may have, in addition to `nvcore.output.files.MANIFEST`."""
 
 
 AUDIT_FILES: Final = ("findings.csv", "finding_entries.csv", "horizons.csv")
-"""The files that the audit by itself writes."""
+"""Files that the audit by itself writes."""
 
 
 def export_files(
@@ -79,17 +80,18 @@ def export_files(
     tables: TableFormat = "csv",
     matches: bool = False,
 ) -> dict[str, Callable[[], bytes]]:
-    """Every file of a report by name, written when called; the same input gives the same bytes.
+    """Return functions that write the files of a report, by file name.
 
-    There is a ``session.toml`` only if the session names files; tables in memory have none. And
-    ``classes.csv`` only if truth and systems name classes, ``codes.csv`` only with coded intervals.
+    The same input gives the same bytes. There is a ``session.toml`` only if the session names
+    files, which tables in memory lack. There is a ``classes.csv`` only if truth and systems name
+    classes, and a ``codes.csv`` only with coded intervals.
 
     Parameters
     ----------
     tables
-        ``"csv"``, or ``"parquet"``: with all digits.
+        ``"csv"``, or ``"parquet"`` for all digits.
     matches
-        Whether ``matches.parquet`` is one of them, with a row for each box.
+        True to include ``matches.parquet``, with a row for each box.
     """
     made: dict[str, Callable[[], pd.DataFrame]] = {
         "frames": lambda: frames_table(result),
@@ -139,14 +141,14 @@ def _bytes_of(make: Callable[[], pd.DataFrame], tables: TableFormat) -> bytes:
 
 
 def summary_json(result: Result) -> str:
-    """The summary as JSON text."""
+    """Return the summary as JSON text."""
     return json.dumps(summary(result), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _file_contents(
     files: Mapping[str, Callable[[], bytes]], progress: Progress
 ) -> Iterator[tuple[str, bytes]]:
-    """Names and contents of the files of a report, one after another."""
+    """Yield names and contents of the files of a report, one after another."""
     for n_done, (name, make) in enumerate(files.items()):
         progress(n_done / len(files), f"writing {name}")
         yield name, make()
@@ -164,7 +166,7 @@ def write_report(
 ) -> None:
     """Write all files of a report into a folder, which is created if missing.
 
-    They take the place of an older report's at once; see `nvcore.output.files.write_run`.
+    They replace an older report at once; see `nvcore.output.files.write_run`.
 
     Parameters
     ----------
@@ -182,14 +184,14 @@ def write_report(
 
 
 def write_audit(folder: Path, dataset: Dataset, findings: tuple[Finding, ...]) -> None:
-    """Write what the audit found, and estimated horizons, into a folder, as `write_report` does.
+    """Write the audit's findings and estimated horizons into a folder, as `write_report` does.
 
     Raises
     ------
     InputError
         If the folder cannot be written to, or holds the run of another command.
     """
-    if (folder / "summary.json").exists():  # of which only a part would be replaced
+    if (folder / "summary.json").exists():  # only a part of it would be replaced
         raise InputError("holds the report of a comparison; give another folder", file=folder)
     refuse_other_run(folder, AUDIT_FILES)
     contents = [
@@ -208,12 +210,12 @@ def report_zip(
     inputs: Mapping[str, Callable[[], bytes]] = MappingProxyType({}),
     progress: Progress = no_progress,
 ) -> bytes:
-    """A zip of the files of a report, byte for byte those of `write_report`.
+    """Return a zip of the files of a report, byte for byte those of `write_report`.
 
     Parameters
     ----------
     inputs
-        Contents of files that the session names and nobody has but the caller, by those names.
+        Contents of files that the session names and only the caller has, by name.
     """
     content = io.BytesIO()
     made = {**export_files(result, session, findings), **inputs}

@@ -1,4 +1,4 @@
-"""Rules that a comparison has to pass, such as in nightly runs: measured, judged, explained."""
+"""Rules that a comparison has to pass, such as in nightly runs: values, outcomes, explanations."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def run_gate(
     strict: bool,
     names: Iterable[str] = (),
 ) -> tuple[list[RuleOutcome], dict[str, float]]:
-    """The outcomes of these rules and of those of the audit, and the measures they were judged by.
+    """Return the outcomes of rules, including the audit's, and the measures they were judged by.
 
     Parameters
     ----------
     strict
-        Whether warnings of the audit count as errors do.
+        True if warnings of the audit count as errors.
     names
-        Measures to compute beside those that the rules name.
+        Measures to compute in addition to those that the rules name.
     """
     every = [*rules, *audit_rules(rules, strict=strict)]
     needed = [*names, *(rule.name for rule in every)]
@@ -36,7 +36,9 @@ def run_gate(
 
 
 def audit_rules(rules: Iterable[Rule], *, strict: bool) -> list[Rule]:
-    """Rules that allow no errors of the audit and, if `strict`, no warnings.
+    """Return rules that allow no errors of the audit and, if `strict`, no warnings.
+
+    A rule is left out if `rules` already limit that number.
 
     Left out where `rules` themselves limit the number.
     """

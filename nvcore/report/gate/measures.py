@@ -42,7 +42,8 @@ WORSE: Final = {
     for name, key in PLAN_KEYS.items()
     for letter in get_args(Side)
 }
-"""By how much a system may be worse, by the interval over recordings: measure and system."""
+"""Measures of how much worse a system may be, by the interval over recordings: measure and system.
+"""
 COUNTED_ENCOUNTERS: Final = {
     "new_misses": Category.X_ONLY,
     "mended_misses": Category.Y_ONLY,
@@ -51,11 +52,11 @@ COUNTED_ENCOUNTERS: Final = {
     "venn.y_only": Category.Y_ONLY,
     "venn.neither": Category.NEITHER,
 }
-"""Measures that count encounters; a failed rule lists them."""
+"""Measures that count encounters, which a failed rule lists."""
 COUNTED_FINDINGS: Final = {"audit_errors": Severity.ERROR, "audit_warnings": Severity.WARNING}
-"""Measures that count findings of the audit; a failed rule lists them, too."""
+"""Measures that count findings of the audit, which a failed rule lists as well."""
 COUNTED_CLAIMS: Final = {"claims_x": "x", "claims_y": "y"}
-"""Measures that count differences that the verdict claims for a system; they take a moment."""
+"""Measures that count the verdict's claims for a system. They take a moment to compute."""
 _OTHER_NAMES: Final = (
     "new_misses",
     "mended_misses",
@@ -75,7 +76,7 @@ SUMMARY_NAMES: Final = (
     *_numeric(summary_keys()),
     *(f"fusion.{kind}.{name}" for kind in ("x_or_y", "x_and_y") for name in _numeric(SYSTEM_KEYS)),
 )
-"""Measures in ``summary.json`` of neither X nor Y; computed only if a rule names one."""
+"""Measures in ``summary.json`` of neither X nor Y, computed only if a rule names one."""
 
 
 def _with_endings(names: Iterable[str]) -> list[str]:
@@ -93,46 +94,47 @@ MEASURE_OF: Final = {
     },
     **{name: measure_of(key) for name, (key, _) in WORSE.items()},
 }
-"""The measure whose value, difference or interval a name stands for."""
+"""Measure whose value, difference or interval a name stands for."""
 CONDITIONS: Final = {
     **{
         name: measure.only_if for name, measure in MEASURE_OF.items() if measure.only_if is not None
     },
     **{column.name: column.only_if for column in summary_keys() if column.only_if is not None},
 }
-"""On which comparisons these names are listed; all others are always."""
+"""Conditions on comparisons for listing these names. All other names are always listed."""
 
 
 def measure_names() -> list[str]:
-    """Names of all measures that a rule may name."""
+    """Return the names of all measures that a rule may name."""
     of_systems = _with_endings([*_numeric(SYSTEM_KEYS), *_OF_CURVE])
     return [*of_systems, *WORSE, *_OTHER_NAMES, *SUMMARY_NAMES]
 
 
 def listed_names(result: Result, values: Mapping[str, float]) -> list[str]:
-    """Names of these measures, sorted; without those whose condition is not met (`CONDITIONS`)."""
+    """Return the names of these measures, sorted, without those whose `CONDITIONS` are not met."""
     return sorted(name for name in values if is_met(CONDITIONS.get(name), result))
 
 
 def gate_measures(
     result: Result, findings: Sequence[Finding], protocol: Protocol, names: Iterable[str]
 ) -> dict[str, float]:
-    """The measures that rules may name; slow ones only if they are needed.
+    """Compute the measures that rules may name, slow ones only if they are needed.
 
-    ``new_misses`` are the encounters that X detects and Y does not, ``mended_misses`` the other
-    way round: X is the release in use, Y the candidate. ``mean_similarity_worse_y`` and the like
-    are the ends of 95 % intervals against a system (`nvcore.evidence.planning.worse_at_most`),
-    undefined where X and Y are set to different operating points: as in the verdict, nothing is
-    claimed from these. So are those that no rule can rest on (`nvcore.measures.table.is_usable`,
-    and what subjects add to that).
+    ``new_misses`` are the encounters that X detects and Y does not, ``mended_misses`` the opposite:
+    X is the current release, Y the candidate. ``mean_similarity_worse_y`` and the like are the ends
+    of 95 % intervals against a system (`nvcore.evidence.planning.worse_at_most`). They are
+    undefined if X and Y are set to different operating points, because the verdict claims nothing
+    from these either. Measures that no rule can rest on are undefined as well
+    (`nvcore.measures.table.is_usable`, and additions of subjects).
 
     Parameters
     ----------
     protocol
-        Of the detection curves.
+        Protocol of the detection curves.
     names
-        Names in rules. Measures of detection curves, those of `SUMMARY_NAMES` and the number of
-        claims are computed if one of them is among these, intervals for those that are.
+        Names in rules. Measures of detection curves, of `SUMMARY_NAMES` and the number of claims
+        are each computed if one of the group is named. Intervals are computed only for named
+        measures.
     """
     needed = set(names)
     values = {f"{name}_{letter}": math.nan for name in _numeric(SYSTEM_KEYS) for letter in "xy"}
@@ -167,8 +169,8 @@ def gate_measures(
 
 
 def _counts_of_encounters(venn: Venn) -> dict[str, float]:
-    """The measures of `OF_CLASSES`."""
-    # without encounters nothing can be missed: undefined, so that no rule passes because of that
+    """Return the values of `OF_CLASSES`."""
+    # undefined without encounters, so that no rule passes just because nothing can be missed
     one_or_nan = 1.0 if venn.n_near else math.nan
     counts = (venn.x_only, venn.y_only, venn.neither)
     misses = (count * one_or_nan for count in counts)
@@ -176,7 +178,7 @@ def _counts_of_encounters(venn: Venn) -> dict[str, float]:
 
 
 def _of_classes(result: Result, names: Set[str]) -> dict[str, float]:
-    """Those measures that are asked of a class; of one without encounters its number is 0."""
+    """Return the measures requested for a class. The number of a class without encounters is 0."""
     values = {}
     for name in sorted(name for name in names if class_in(name)):
         venn = count_categories(result.category[members(result, name)])
@@ -185,7 +187,7 @@ def _of_classes(result: Result, names: Set[str]) -> dict[str, float]:
 
 
 def members(result: Result, name: str) -> np.ndarray:
-    """Encounters that a measure of a class, or of all, is about; bool, shape (n_encounters,)."""
+    """Return the encounters that a measure of a class, or of all, covers, bool, (n_encounters,)."""
     wanted, n = class_in(name), len(result.encounters)
     if not wanted:
         return np.ones(n, dtype=bool)
@@ -193,7 +195,7 @@ def members(result: Result, name: str) -> np.ndarray:
 
 
 def _of_curves(result: Result, protocol: Protocol) -> dict[str, float]:
-    """Measures of the detection curves of both systems."""
+    """Return the measures of the detection curves of both systems."""
     values = {}
     for letter, system in result.sides:
         curve = detection_curve(result.dataset, system.name, result.params, protocol)
@@ -206,7 +208,7 @@ def _of_curves(result: Result, protocol: Protocol) -> dict[str, float]:
 def _count_claims(
     result: Result, findings: Sequence[Finding], evidence: pd.DataFrame, companions: Companions
 ) -> dict[str, float]:
-    """How many differences the verdict claims for each system."""
+    """Count the differences that the verdict claims for each system."""
     claims = verdict(result, findings, evidence=evidence, companions=companions).claims
     return {
         name: float(sum(claim.winner == letter for claim in claims))
@@ -217,7 +219,7 @@ def _count_claims(
 def _may_be_worse(
     result: Result, protocol: Protocol, names: Set[str], evidence: pd.DataFrame | None
 ) -> dict[str, float]:
-    """Those of `WORSE` that are needed; NaN without an interval, or where nothing is claimed of it.
+    """Return the needed values of `WORSE`, NaN without an interval or without claims.
 
     Parameters
     ----------
@@ -241,7 +243,7 @@ def _may_be_worse(
 
 
 def _numbers(content: Mapping[str, Any], before: str = "") -> Iterable[tuple[str, float]]:
-    """Numeric entries, nested ones as ``outer.inner``."""
+    """Yield numeric entries, nested ones as ``outer.inner``."""
     for name, value in content.items():
         if isinstance(value, Mapping):
             yield from _numbers(value, f"{before}{name}.")

@@ -1,4 +1,4 @@
-"""What becomes of rules: each holds, or does not."""
+"""Outcomes of rules: each one is met or broken."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from nvcore.report.gate.rules import COMPARISONS, Rule, check_name
 
 
 def value_text(value: float) -> str:
-    """The value of a measure, with six digits."""
+    """Format the value of a measure with six digits."""
     return "undefined" if math.isnan(value) else f"{value + 0.0:.6g}"  # -0.0 is 0
 
 
 @dataclass(frozen=True)
 class RuleOutcome:
-    """What became of a rule.
+    """Outcome of a rule.
 
     Attributes
     ----------
     value
-        Of the measure; NaN undefined: the rule fails unless it allows this.
+        Value of the measure. If it is undefined (NaN), the rule fails unless it allows this.
     details
-        What a failed rule counts: encounters or findings, one line each, named as in the inputs; or
-        why the measure is undefined at unequal operating points. Before these,
-        what subjects say of the measure.
+        Remarks of subjects on the measure, followed by the encounters or findings that a failed
+        rule counts, one line each, named as in the inputs, or by the reason why the measure is
+        undefined at unequal operating points.
     """
 
     rule: Rule
@@ -35,7 +35,7 @@ class RuleOutcome:
 
     @property
     def message(self) -> str:
-        """The value of the measure, in words."""
+        """Value of the measure, in words."""
         text = f"{self.rule.name} is {value_text(self.value)}"
         if not math.isnan(self.value):
             return text
@@ -45,7 +45,7 @@ class RuleOutcome:
 
 
 def judge(rules: Iterable[Rule], values: Mapping[str, float]) -> list[RuleOutcome]:
-    """Whether each rule holds; an undefined measure breaks its rule, unless the rule allows it.
+    """Judge whether each rule is met. An undefined measure breaks a rule unless it is allowed.
 
     Raises
     ------

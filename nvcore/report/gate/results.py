@@ -25,7 +25,7 @@ MARKDOWN_HEAD: Final = b"## Gate: "
 
 
 def _stem(name: str) -> str:
-    """What a measure's name in rules begins with: ``saliency`` of ``saliency_worse_y``."""
+    """Return the beginning of a measure's name in rules: ``saliency`` of ``saliency_worse_y``."""
     return re.sub(r"(_worse)?_(x|y|difference)$", "", name).partition(".")[0]
 
 
@@ -47,11 +47,11 @@ _WORSENED_BY_ALARMS: Final = {
 
 
 def what_is_not_asked(rules: Iterable[Rule]) -> str:
-    """That no rule would stop a system that detects everything everywhere.
+    """Warn if no rule would stop a system that detects everything everywhere.
 
     Returns
     -------
-    With a rule to add; empty: every measure asked for is none of misses, or one is of false alarms.
+    Warning with a rule to add; empty if no rule is about misses, or one is about false alarms.
     """
     stems = {_stem(rule.name) for rule in rules}
     if not stems & _BLIND_TO_ALARMS or stems & _WORSENED_BY_ALARMS:
@@ -63,7 +63,7 @@ def what_is_not_asked(rules: Iterable[Rule]) -> str:
 
 
 def terminal_lines(outcomes: Sequence[RuleOutcome]) -> list[str]:
-    """A line for each rule, and below it what explains the outcome; what no rule is about."""
+    """Return a line for each rule, followed by its details, and the warning about missing rules."""
     lines = []
     for outcome in outcomes:
         mark = "passed" if outcome.is_passed else "FAILED"
@@ -74,14 +74,14 @@ def terminal_lines(outcomes: Sequence[RuleOutcome]) -> list[str]:
 
 
 def _details(outcome: RuleOutcome) -> tuple[str, ...]:
-    """What explains an outcome; findings are shown with the audit."""
+    """Return the details of an outcome, without findings, which are shown with the audit."""
     return () if outcome.rule.name in COUNTED_FINDINGS else outcome.details
 
 
 def junit_xml(
     outcomes: Sequence[RuleOutcome], title: str, findings: Sequence[Finding] = ()
 ) -> bytes:
-    """The outcomes as JUnit XML, one test case per rule; the audit is the suite's output.
+    """Return the outcomes as JUnit XML, with a test case per rule and the audit as output.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def junit_xml(
 
 
 def junit_error(problem: str) -> bytes:
-    """JUnit XML of a gate that could not be run: a single test case with an error.
+    """Return JUnit XML of a gate that could not be run: a single test case with an error.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def _xml(root: ElementTree.Element) -> bytes:
 
 
 def markdown(outcomes: Sequence[RuleOutcome], title: str, findings: Sequence[Finding] = ()) -> str:
-    """The outcomes as Markdown: a table with failed rules first, what these count, the audit."""
+    """Return the outcomes as Markdown: failed rules first, their details, and the audit."""
     rows = sorted(outcomes, key=lambda outcome: outcome.is_passed)
     n_failed = sum(not outcome.is_passed for outcome in outcomes)
     verdict = f"{n_failed} of {len(outcomes)} rules failed" if n_failed else "all rules passed"
@@ -178,7 +178,7 @@ def _audit(findings: Sequence[Finding]) -> list[str]:
 
 
 def markdown_error(problem: str) -> str:
-    """Markdown of a gate that could not be run.
+    """Return Markdown of a gate that could not be run.
 
     Parameters
     ----------

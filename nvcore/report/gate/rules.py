@@ -1,4 +1,4 @@
-"""Rules of the gate, such as ``lamr_y <= 0.10``: read from text, refused where they are wrong."""
+"""Rules of the gate, such as ``lamr_y <= 0.10``, parsed from text and validated."""
 
 from __future__ import annotations
 
@@ -30,23 +30,23 @@ _CORRECTIONS: Final = {
     "≥": ">=",
     "≠": "!=",
 }
-"""What was probably meant by a comparison that does not exist."""
+"""Likely meanings of comparisons that do not exist."""
 _RULE: Final = re.compile(
     r"\s*([A-Za-z][A-Za-z0-9_.]*)\s*([<>=!≤≥≠]+)\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(%?)"
     r"\s*(\bor\s+undefined)?\s*"
 )
 OF_CLASSES: Final = ("new_misses", "mended_misses", "missed_by_both", "encounters")
-"""Measures that a rule may ask of one class of encounters: ``new_misses.child``."""
+"""Measures that a rule may request for one class of encounters: ``new_misses.child``."""
 
 
 @dataclass(frozen=True)
 class Rule:
-    """A measure, a comparison and a limit, such as ``lamr_y <= 0.10``.
+    """Measure, comparison and limit, such as ``lamr_y <= 0.10``.
 
     Attributes
     ----------
     allows_undefined
-        Whether the rule also holds where the measure is undefined (``or undefined``).
+        True if the rule is also met when the measure is undefined (``or undefined``).
     """
 
     name: str
@@ -57,7 +57,9 @@ class Rule:
 
 
 def parse_rule(text: str) -> Rule:
-    """A rule: a measure, one of ``<= >= == != < >``, a number (10% is 0.1), and ``or undefined``.
+    """Parse a rule: a measure, one of ``<= >= == != < >``, a number, and maybe ``or undefined``.
+
+    A percentage such as 10% is 0.1.
 
     Raises
     ------
@@ -89,13 +91,13 @@ def parse_rule(text: str) -> Rule:
 def read_rules(
     lines: Iterable[tuple[str, str]], names: Sequence[str]
 ) -> tuple[list[Rule], list[str]]:
-    """Rules from lines, and what is wrong with invalid lines.
+    """Parse rules from lines, and describe the errors of invalid lines.
 
     Parameters
     ----------
     lines
-        The place of each, such as ``rules.txt, line 3``, and its text. Empty lines, and whatever
-        follows a ``#``, are skipped.
+        Location of each line, such as ``rules.txt, line 3``, and its text. Empty lines and comments
+        after ``#`` are skipped.
     names
         Names of the existing measures.
     """
@@ -115,7 +117,7 @@ def read_rules(
 
 
 def class_in(name: str) -> str:
-    """The class of encounters that a measure's name asks for; empty: it asks for none.
+    """Return the class of encounters that a measure's name requests, or "" for none.
 
     Examples
     --------
@@ -132,7 +134,7 @@ def check_name(rule: Rule, names: Iterable[str]) -> None:
     Raises
     ------
     ParameterError
-        With the names that are closest.
+        If the measure is not among them, with the closest names.
     """
     existing = list(names)
     if rule.name in existing or class_in(rule.name):

@@ -67,7 +67,7 @@ def write_html_report(
     findings
         Findings of the audit of the same inputs.
     pictures
-        Pictures that are open already. None: those of the session are opened, and closed again.
+        Open pictures. None: those of the session are opened, and closed again.
     stability
         Whether to compute the stability maps. None: for up to 20,000 frames.
     inscription

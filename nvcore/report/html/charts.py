@@ -32,7 +32,7 @@ WORDS_SHARE: Final = 0.47
 LINE: Final = 38
 """Characters in a line of these words."""
 MARGIN_PX: Final = (62, 16)
-"""Above and below the rows."""
+"""Margins above and below the rows."""
 
 
 @cache

@@ -34,25 +34,25 @@ class Cover:
     Attributes
     ----------
     subtitle
-        Which systems are compared, where the title does not say it; empty: it does.
+        Names of the compared systems; empty if the title has them.
     byline
         Author and date.
     question
-        Which question the report answers.
+        Question that the report answers.
     headline
-        Of the verdict.
+        Headline of the verdict.
     facts
-        Labels and texts: who X and Y are, and what they are compared on.
+        Labels and texts that describe X, Y and the data.
     tiles
-        The comparison in short, without measures that are 0 for both.
+        Summary of the comparison, without measures that are 0 for both.
     basis
-        Which comparison they are of, and which measures are 0 for both.
+        Comparison that the tiles are about, and measures that are 0 for both.
     photos
-        The two frames that tell most.
+        The two most informative frames.
     limits
-        What the data do not show.
+        Limits of the data.
     objects
-        What the boxes are of.
+        Kind of objects in the boxes.
     """
 
     subtitle: str
@@ -85,9 +85,9 @@ def cover_of(
     Parameters
     ----------
     photos
-        The evidence frames, the most telling first.
+        Evidence frames, the most informative first.
     names
-        Which systems are compared, in a few words.
+        Names of the compared systems, in a few words.
     """
     of_both = tiles(result, evidence, companions)
     zero = [tile for tile in of_both if values_of(tile.key, result) == (0, 0)]

@@ -43,7 +43,7 @@ class Point:
     after
         Topic of the point that it follows; empty if the point has its own place.
     is_warning
-        Whether the point is also shown beside the headline.
+        True if the point is also shown beside the headline.
     """
 
     topic: str
@@ -70,7 +70,7 @@ class PointOf:
     after
         Topic of the point that it follows.
     is_warning
-        Whether the point is also shown beside the headline, where there is room.
+        True if the point is also shown beside the headline if there is room.
     """
 
     topic: str
