@@ -201,9 +201,6 @@ class FrameColumns:
         A value above 1 means that the frames between were not evaluated. Events counted in listed
         frames (false alarms) are then too few per minute of recording time by about this factor.
 
-        Above 1 the frames between were not evaluated, and events counted in listed frames (false
-        alarms) are too few per minute of recording time by about this factor.
-
         Returns
         -------
         float64, shape (n_recordings,); 1 for a recording of a single frame or none.

@@ -129,8 +129,6 @@ def as_stored(path: Path) -> Path:
     """Return the path of the file or folder with this name, with accents as they are stored.
 
     If there is none, the path is returned unchanged.
-
-    The path itself where there is none.
     """
     with suppress(OSError, ValueError):  # a name that no file can have
         if path.exists():

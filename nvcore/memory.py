@@ -1,8 +1,6 @@
 """Check whether there is enough memory for a number of frames before loading them.
 
 A machine that runs out of memory stalls for minutes, and then kills an arbitrary program.
-
-A machine that runs out of memory stands still for minutes, and then ends any program that it likes.
 """
 
 from __future__ import annotations
@@ -51,9 +49,6 @@ def free_bytes(system: Path = Path("/")) -> int | None:
 
     This is the least of the machine's free memory, the limit of a container or service, and the
     rest of ``ulimit -v``.
-
-    The least of what the machine has, what a container or service may take, and what ``ulimit -v``
-    leaves.
     """
     try:
         lines = (system / "proc/meminfo").read_text(encoding="ascii").splitlines()

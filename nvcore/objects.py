@@ -83,9 +83,6 @@ class Objects:
         For numbered classes (speed signs) this is the number without its unit. For synonyms of the
         objects it is the singular, otherwise the name itself.
 
-        The number of numbered classes (those of speed signs), without its unit; the singular, where
-        the name is one of those that mean the same; else the name itself.
-
         Examples
         --------
         >>> SPEED_SIGN.label_of("Speed limit (50km/h)"), SPEED_SIGN.label_of("70")

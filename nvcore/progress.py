@@ -22,7 +22,7 @@ POLL_S: Final = 0.05
 
 
 def no_progress(_share: float, _what: str) -> None:
-    """A `Progress` that does nothing."""
+    """Do nothing, as a `Progress`."""
 
 
 def part_of(progress: Progress, start: float, end: float) -> Progress:

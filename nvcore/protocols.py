@@ -29,9 +29,6 @@ class Protocol:
     A pedestrian excluded by a filter is ignored: it is not a miss, and detecting it is not a false
     positive.
 
-    A pedestrian that a filter leaves out is ignored: it is not a miss, and detecting it is not a
-    false positive.
-
     Attributes
     ----------
     name, text

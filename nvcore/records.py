@@ -165,7 +165,7 @@ def convert(declared: Any, value: object, where: str) -> Any:
     Raises
     ------
     ValueError
-        With the path, and what was expected and found.
+        If the type is wrong, with the path, the expectation and the actual value.
 
     Examples
     --------

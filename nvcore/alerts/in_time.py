@@ -28,7 +28,7 @@ from nvcore.time_left.judging import speed_of_frames
 from nvcore.time_left.steps import time_left_in
 
 MOST_DRAWS, FEWEST_DRAWS, DRAWN = 2_000, 200, 20_000_000
-"""Draws of all drivers' reactions, and resamples of units: as many as keep so many numbers."""
+"""Most and fewest draws of reactions and resamples of units, and the numbers drawn in total."""
 DRIVER_WORDS: Final = {
     "sees": "sees the {one} in time without an alert",
     "does_not": "does not",

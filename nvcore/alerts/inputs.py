@@ -174,8 +174,6 @@ def _read_log(
     """Read the log that a session names: a table of alerts, or a file of the system with flags.
 
     Rows of a table with the same begin, end and track are one alert.
-
-    Rows of a table with one begin, end and track are one alert.
     """
     content = csv_content(file, role="detections")
     if _place_of_flags(content)[1] >= 0:

@@ -52,7 +52,7 @@ class State(StrEnum):
     Attributes
     ----------
     TRUE
-        Of the truth: the driver was to be alerted.
+        An episode of the truth in which the driver should have been alerted.
     RIGHT, FALSE
         A system's alert that overlaps an episode of the truth, or none.
     NOT_KNOWN

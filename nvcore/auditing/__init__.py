@@ -135,8 +135,6 @@ def ranked(dataset: Dataset, findings: Iterable[Finding]) -> tuple[Finding, ...]
     """Sort the findings of all parts of `audit`, worst first, without those that the user accepts.
 
     If an error about a system's frame numbers explains its unplaced rows, these are not reported.
-
-    An error about a system's frame numbers explains that its rows have no place.
     """
     findings = accepted(findings, dataset.settings.accept)
     misnumbered = {
@@ -244,8 +242,6 @@ def opened_pictures(
 
     They are None if the session names none, or if the extra ``report`` is not installed, which is a
     note.
-
-    None are open if it names none, or the extra ``report`` is not installed, which is a note.
     """
     session = dataset.settings
     has_some = isinstance(session, Session) and any(entry.pictures for entry in session.recordings)

@@ -183,8 +183,6 @@ def find_loose(source: BoxSource, matches: Matches, params: Params) -> list[Find
     """Report a system if many of its false alarms overlap missed pedestrians by too low an IoU.
 
     This applies only to matching by IoU. Otherwise the shape of a box does not matter.
-
-    Only where matching is by IoU: elsewhere the shape of a box does not decide.
     """
     if params.match != "iou":
         return []

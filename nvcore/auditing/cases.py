@@ -53,8 +53,6 @@ class BoxSource:
         """Yield boxes in blocks of whole recordings: their rows, and the recordings.
 
         Intermediate results of a block stay in the processor's cache.
-
-        What is computed of a block on the way stays in the processor's memory.
         """
         starts = self.starts
         edges = np.searchsorted(starts, np.arange(0, len(self.boxes) + BLOCK, BLOCK), side="right")
@@ -135,10 +133,6 @@ def place(recording: object, frame: int, *, line: int = 0, file: str = "") -> st
     """Describe a location, such as ``line 17, recording A, frame 12``.
 
     JSON counts records. Rows of a table, in memory or in Parquet, are counted from 0.
-
-    Rows of a table, in memory or in Parquet, are counted from 0.
-
-    Rows of a table, in memory or in Parquet, are counted from 0.
     """
     name = unpacked_name(file.lower())
     is_table = name.endswith((TABLE_ENDING, ".parquet", ".pq"))

@@ -75,9 +75,6 @@ def closing_speeds(dataset: Dataset) -> np.ndarray:
     A pedestrian's speed is the slope of the least-squares line of distance over time. A recording's
     speed is the median over pedestrians who come nearer.
 
-    A pedestrian's speed is the slope of the least-squares line through distances over time, a
-    recording's the median over those who come nearer at all.
-
     Returns
     -------
     float64, shape (n_recordings,); NaN with fewer than `MIN_PEDESTRIANS`, or if time left is

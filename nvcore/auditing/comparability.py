@@ -171,10 +171,6 @@ def audit_borrowing(dataset: Dataset, params: Params) -> list[Finding]:
     It is a warning in three cases. Many pedestrians find no lender. Only one of several systems
     lends: then misses before its first and after its last match weigh by height, its matches by
     metres. Or lenders differ.
-
-    A warning where many find no lender; where one of several systems lends alone (what it misses
-    before its first match and after its last weighs by height, what it finds by metres); and where
-    lenders differ.
     """
     if not borrows(params):
         return []

@@ -126,9 +126,6 @@ def _silent_ends(source: BoxSource, has_box: np.ndarray) -> list[Finding]:
 
     Only pedestrians as tall as the system's usual detection count, because others may just be too
     far away.
-
-    Pedestrians that are merely too far away do not count: only those as tall as the system's
-    usual detection.
     """
     dataset, frames, boxes = source.dataset, source.dataset.frame_columns, source.boxes
     start, stop = frames.first[:-1], frames.first[1:]

@@ -26,9 +26,6 @@ def audit_foot_spread(dataset: Dataset, params: Params) -> list[Finding]:
 
     The lateral distance, which is the default, takes people above each other in the picture for
     people in the same place.
-
-    The lateral distance, which is the default, takes people above each other in the picture for
-    people in the same place.
     """
     if params.distance != "lateral" or not dataset.objects.is_on_road:
         return []

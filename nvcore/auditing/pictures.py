@@ -2,9 +2,6 @@
 
 No measure depends on pictures. The codes begin with `nvcore.findings.OF_PICTURES`. The import needs
 the extra ``report``.
-
-No measure depends on pictures. Their codes begin with `nvcore.findings.OF_PICTURES`. The import
-needs the extra ``report``.
 """
 
 from __future__ import annotations
@@ -74,8 +71,6 @@ def audit_pictures(dataset: Dataset, opened: RecordingPictures) -> tuple[Finding
     """Return the findings on the pictures of all recordings, worst first, without decoding any.
 
     Several recordings with the same problem are one finding.
-
-    Several recordings with the same trouble are one finding.
     """
     alike: dict[tuple[Severity, str], list[_Case]] = defaultdict(list)
     for case in _cases(dataset, opened):

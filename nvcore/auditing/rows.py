@@ -29,9 +29,6 @@ def audit_left_out(dataset: Dataset) -> list[Finding]:
 
     A system that ran on every frame of a sampled recording is not at fault, so its rows between
     listed frames only give a note.
-
-    A system that ran on every frame of a sampled recording is no fault: its rows between listed
-    frames give a note.
     """
     lost = dataset.left_out.reset_index(drop=True)
     lost = lost[lost["subject"].isin([TRUTH_NAME, *dataset.systems])]
@@ -150,8 +147,6 @@ def _left_out_by_choice(dataset: Dataset, subject: str, rows: pd.DataFrame) -> n
     """Return which rows are in frames that exist but were not selected, bool, shape (n,).
 
     A frame is known to exist from the truth or from the record of the detector's run.
-
-    That it has them is known by the truth, or by the record of the detector's run.
     """
     settings, is_wanted = dataset.settings, np.zeros(len(rows), dtype=bool)
     if not isinstance(settings, Session):
@@ -174,8 +169,6 @@ def _is_of_truth(dataset: Dataset, number: int, frame: np.ndarray) -> np.ndarray
 
     None do if the evaluated frames begin and end one frame off the truth, as if counted
     differently.
-
-    None where the evaluated frames begin and end as far beside these as if counted otherwise.
     """
     rows = dataset.frame_columns.rows_of(number)
     listed = dataset.frame_columns.frame[rows]

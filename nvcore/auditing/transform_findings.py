@@ -81,10 +81,6 @@ def find_truth_layout(dataset: Dataset) -> TruthLayout | None:
     The better fit decides. If both fit equally well, the first rule that applies decides: systems
     whose files may be in another format were misread; the side whose boxes are less often upright
     and in the picture was misread; the truth was misread if several systems agree.
-
-    The better fit decides. Where both fit alike, systems whose files may be in another format were
-    misread; else the side whose boxes are less often upright and in the picture; else the truth if
-    several systems agree.
     """
     return dataset.kept("truth layout", _find_truth_layout)
 
@@ -200,9 +196,6 @@ def _explains_rows(source: BoxSource, transform: Transform) -> bool:
 
     Two facts then show that the file counts frames from another number. A system that merely lags
     behind has no such rows.
-
-    Then two things say that the file counts frames from another number; a system that lags behind
-    has no such rows.
     """
     lost = source.dataset.left_out
     lost = lost[(lost["subject"] == source.name) & (lost["reason"] == NOT_LISTED)]
@@ -250,7 +243,7 @@ def _frame_numbers(dataset: Dataset, name: str, transform: Transform) -> tuple[f
 
 
 def _suggestion(dataset: Dataset, name: str, transform: Transform) -> tuple[tuple[str, float], ...]:
-    """Settings of the system that apply the transform, combined with those it already has."""
+    """Return settings of the system that apply the transform, combined with existing ones."""
     own, values = source_of(dataset, name), {}
     step, offset = _frame_numbers(dataset, name, transform)
     if step != own.frame_step:
@@ -367,9 +360,6 @@ def _corners_of_all(dataset: Dataset) -> list[Finding]:
 
     Boxes then fit one another, and only the picture reveals it: many stick out of the picture,
     though none of their corners does.
-
-    Then boxes fit one another, and only the picture tells: many stick out of it, though none of
-    their corners does.
     """
     having = [source for source in all_sources(dataset) if _are_corners(source)]
     if not having or not having[0].is_truth:
@@ -404,8 +394,6 @@ def _lying(dataset: Dataset) -> list[Finding]:
     """Report an error if nearly all pedestrians are wider than tall (another class, swapped axes).
 
     All sources may have this in common, so that their boxes fit one another.
-
-    All sources may have that in common, so that their boxes fit one another.
     """
     rows = np.flatnonzero(~dataset.truth.ignore)
     wide = rows[dataset.truth.w[rows] > dataset.truth.h[rows]]

@@ -256,7 +256,7 @@ def _in_other_formats(dataset: Dataset, name: str) -> Iterator[tuple[str, Datase
 
 
 def _gap(trial: Trial) -> int:
-    """Smallest usual step between listed frames."""
+    """Return the smallest usual step between listed frames."""
     return max(1, round(float(trial.dataset.frame_columns.sampling_step.min())))
 
 
@@ -272,7 +272,7 @@ def _beside(trial: Trial, transform: Transform, most: int = MAX_SHIFT) -> Iterat
 
 
 def _ends(trial: Trial) -> list[tuple[int, int, int, int]]:
-    """First and last frame of the truth and of the system, for up to three recordings."""
+    """Return first and last frame of the truth and of the system, for up to three recordings."""
     frames, ends = trial.dataset.frame_columns, []
     recording, number = recording_and_frame(trial.system.key[np.diff(trial.system.offsets) > 0])
     for one in np.unique(recording)[:3]:
@@ -283,7 +283,7 @@ def _ends(trial: Trial) -> list[tuple[int, int, int, int]]:
 
 
 def _clip_starts(trial: Trial) -> list[Transform]:
-    """Offsets if the system numbers a clip's frames from its own first frame, from 0 or from 1."""
+    """Return offsets for a system that numbers a clip's frames from its own first one, 0 or 1."""
     offsets = [
         offset
         for first, last, own_first, own_last in _ends(trial)
@@ -293,7 +293,7 @@ def _clip_starts(trial: Trial) -> list[Transform]:
 
 
 def _rates(trial: Trial) -> Iterator[Transform]:
-    """Other frame rates: usual ones, that of the evaluated frames, and drifting clocks.
+    """Yield other frame rates: usual ones, that of the evaluated frames, and drifting clocks.
 
     Numbers count from 0, from the first evaluated frame, or from an offset given before.
     """
@@ -309,13 +309,13 @@ def _rates(trial: Trial) -> Iterator[Transform]:
 
 
 def _drift_step(trial: Trial) -> float:
-    """Step between tried drifts: half a frame over the recording, or more if it is long."""
+    """Return the step between tried drifts: half a frame over the recording, or more if long."""
     span = max((last for _, _, _, last in _ends(trial)), default=1)
     return max(0.5 * _gap(trial) / max(span, 1), MAX_DRIFT / MOST_DRIFTS)
 
 
 def _scaled(trial: Trial) -> Iterator[Transform]:
-    """Scales from usual, measured and network input sizes, the latter with letterboxing undone."""
+    """Yield scales from usual, measured and network input sizes, undoing letterboxing."""
     for ratio in SCALES:
         for factor in (float(ratio), float(1 / ratio)):
             yield Transform(scale=(factor, factor))
@@ -337,7 +337,7 @@ def _scaled(trial: Trial) -> Iterator[Transform]:
 
 
 def _measured_scales(trial: Trial) -> Iterator[float]:
-    """Ratios of sizes, truth to system: of the median boxes, and of distances between centres.
+    """Yield ratios of sizes, truth to system: of median boxes, and of distances between centres.
 
     A system that detects only near pedestrians has larger boxes than the truth. The centres of the
     pairs that overlap after an offset are as far apart as in the truth, times the ratio.
@@ -396,7 +396,7 @@ def _placed(trial: Trial, transform: Transform, is_far: bool) -> Iterator[Transf
 
 
 def _voted(trial: Trial, transform: Transform) -> list[tuple[float, float]]:
-    """Most frequent offsets between pedestrians and detections, which need not overlap."""
+    """Return the most frequent offsets between pedestrians and detections, which may be apart."""
     _, _, lo, hi = trial.overlaps(transform)
     frame = np.repeat(np.arange(len(trial.truth.key)), np.diff(trial.truth.offsets))
     g, d = rows_in_ranges(lo[frame], (hi - lo)[frame])

@@ -233,7 +233,7 @@ class Trial:
         return self.dataset.read_as.get(name, ReadAs())
 
     def other_layouts(self, name: str) -> list[BoxLayout]:
-        """Other layouts that the numbers of the truth's or the system's boxes may have."""
+        """Return other layouts that the numbers of the truth's or the system's boxes may have."""
         boxes, read_as = self.truth if name == TRUTH_NAME else self.system, self.was(name)
         was = parse_layout(read_as.boxes)
         numbers = was.numbers(boxes.box, boxes.score, boxes.sizes(self.dataset))[:4]

@@ -232,8 +232,6 @@ class Dataset:
 
         The settings of the result contain the same selection.
 
-        Their settings choose them so, too.
-
         Parameters
         ----------
         tags, names
@@ -298,8 +296,6 @@ class Dataset:
 
         Names that are not given stay. The settings use the new names, too.
 
-        The settings name them so, too.
-
         Raises
         ------
         InputError
@@ -340,8 +336,6 @@ class Dataset:
         """Return the names of X and Y: the given ones, those of the settings, or the first others.
 
         None if no system is left.
-
-        None where no system is left.
         """
         x, y = self.settings.names(x, y)
         x = x or next((name for name in self.systems if name != y), None)

@@ -46,9 +46,6 @@ def find_copies(dataset: Dataset) -> tuple[Copy, ...]:
 
     Each is paired with one that has the same boxes, so that all copies of one recording are linked.
     Boxes are compared by place and size, to `GRAIN_PX`, and by frame number, up to a shift.
-
-    Each with one that holds the same boxes, so that all copies of one recording are linked. Boxes
-    are compared by place and size, to `GRAIN_PX`, and by the number of their frame, up to a shift.
     """
     truth, frames = dataset.truth, dataset.frames
     if len(dataset.recordings) < 2 or len(truth) < LEAST_BOXES:
@@ -108,9 +105,6 @@ def units_of(dataset: Dataset) -> np.ndarray:
 
     Empty means that the recording is a unit of its own. Recordings of one unit are not independent:
     they are stated to belong to one unit, or have the same truth without both having a stated unit.
-
-    Recordings of one unit are not independent: those that are said to be part of one, and those
-    that hold the same truth, unless both are said to be part of something.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components

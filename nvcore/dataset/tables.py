@@ -119,8 +119,6 @@ def what_is_stated(recordings: pd.DataFrame) -> pd.DataFrame:
     """Return the recordings for a fingerprint, without columns that are empty for all.
 
     Data without these columns thus keep the fingerprint from before the columns existed.
-
-    So data that state none of these keep the fingerprint of before there were such columns.
     """
     is_empty = {
         "tags": not any(recordings["tags"]),
@@ -140,8 +138,6 @@ def _boxes_stated(boxes: pd.DataFrame) -> pd.DataFrame:
     """Return the boxes for a fingerprint, without labels and detectability if none has any.
 
     See `what_is_stated`.
-
-    As of `what_is_stated`.
     """
     unknown = [] if boxes["label"].ge(0).any() else ["label"]
     if boxes["detectability"].isna().all():

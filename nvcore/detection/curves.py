@@ -156,8 +156,6 @@ class DetectionCurve:
         """Return the operating point at a threshold: the point of the lowest score that passes it.
 
         With None, every detection counts. Above all scores, nothing is detected.
-
-        None: every detection counts. Above all scores nothing is detected.
         """
         limit = -np.inf if threshold is None else threshold
         i = int(np.searchsorted(-self.threshold, -limit, side="right")) - 1
@@ -241,7 +239,7 @@ def detection_curve(
     params
         Settings for matching. Its thresholds are not used.
     protocol
-        Which pedestrians count.
+        Protocol that selects the pedestrians.
     recordings
         Recordings that may count, in addition to the protocol's tags; bool, (n_recordings,); None:
         all.
@@ -300,8 +298,6 @@ def detection_outcomes(
 
     Parameters and errors are those of `detection_curve`. Detections absorbed by ignored boxes are
     left out.
-
-    Parameters and errors as `detection_curve`. Detections that ignored boxes absorb are left out.
     """
     truth = filter_truth(dataset, protocol)
     detections = _taking_part(dataset, system, protocol)
@@ -317,8 +313,6 @@ def curve_table(curve: DetectionCurve, *, windows_per_image: float | None = None
 
     The column fppw needs `windows_per_image`. The ROC is `recall` (detection rate) over `fppi` or
     `fppw`.
-
-    The ROC is `recall` (detection rate) over `fppi` or `fppw`.
     """
     no_fppw = np.full(len(curve), np.nan)
     return pd.DataFrame(

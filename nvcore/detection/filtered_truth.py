@@ -29,7 +29,7 @@ class FilteredTruth:
     Attributes
     ----------
     protocol
-        Which pedestrians count.
+        Protocol that selects the pedestrians.
     truth
         The same boxes in the same rows, with boxes excluded by the protocol marked as ignored.
     is_counted

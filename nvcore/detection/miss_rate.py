@@ -54,10 +54,6 @@ def log_average_miss_rate(
     misses nobody at some reference has 0. The result is 1 without detections and NaN if
     ``curve.why_undefined``.
 
-    ``exp(mean(log(miss_rate_at(fppi))))``. A geometric mean with a zero is zero: a system that
-    misses nobody at some reference has 0. Without detections 1; NaN where
-    ``curve.why_undefined``.
-
     Parameters
     ----------
     references

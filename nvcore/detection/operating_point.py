@@ -98,8 +98,6 @@ def operating_point(
 
     `params` define matching. Their thresholds are not used.
 
-    The thresholds of `params` are not used.
-
     Raises
     ------
     InputError
@@ -182,10 +180,6 @@ def same_operating_point(dataset: Dataset, params: Params, x: str, y: str) -> Sa
     can give (the lower one on a tie). Of the thresholds that give it, the lowest round one is
     chosen, so that no match is lost needlessly.
 
-    X is taken at ``params.threshold_x``. Y gets the number of false alarms closest to X's that a
-    threshold can give (of two equally close, the lower), by the lowest round threshold that gives
-    it, so that no match is lost needlessly.
-
     Raises
     ------
     InputError
@@ -204,9 +198,6 @@ def choose_moved(
     This is the system with the most false alarms among those with scores (with more detections on a
     tie). Raising a threshold is always possible, while lowering it reaches no further than the
     scores.
-
-    Of those with scores, the one with more false alarms (of equals, the one with more detections):
-    to raise a threshold is always possible, to lower it leads no further than the scores do.
 
     Parameters
     ----------
@@ -237,9 +228,6 @@ def threshold_with_alarms(
     """Return the threshold whose number of false alarms is closest to `n_target`, None for all.
 
     The thresholds of `params` are not used. At least one counted detection is kept, because a
-    threshold that switches the system off is no operating point.
-
-    The thresholds of `params` are not used. At least one detection that counts is left: a
     threshold that switches the system off is no operating point.
 
     Parameters
@@ -297,8 +285,6 @@ def round_between(score_out: float, score_in: float) -> float | None:
 
     The lowest one is used because scores between the two false alarms belong to matches, which
     should stay.
-
-    The lowest: scores between the two false alarms belong to matches, which should stay.
     """
     for decimals in range(LEAST_DECIMALS, MAX_DECIMALS + 1):  # a loop over a few decimals
         scale = 10**decimals

@@ -19,10 +19,6 @@ def block_length(trace: np.ndarray, first: np.ndarray) -> int:
     bootstrap's variance, from the trace's autocorrelations up to the lag at which they fade. Blocks
     that do not overlap have a variance of ``2 * g(0)^2 * b / n``.
 
-    The automatic choice of Politis and White: the length that minimises the error of the
-    bootstrap's variance, from the trace's autocorrelations up to the lag at which they fade.
-    Blocks that do not overlap have a variance of ``2 * g(0)^2 * b / n``.
-
     Parameters
     ----------
     trace
@@ -78,8 +74,6 @@ def autocovariance(trace: np.ndarray, first: np.ndarray, *, n_lags: int) -> np.n
     """Return the autocovariance at lags 0..n_lags within recordings, over the number of all frames.
 
     There are fewer lags if the longest recording has fewer frames.
-
-    Fewer lags where the longest recording has fewer frames.
     """
     deviation = trace - trace.mean()
     parts: Sequence[np.ndarray] = np.split(deviation, first[1:-1])

@@ -98,12 +98,6 @@ def bootstrap_difference(
     allow for few units: the level is ``1 - 2 * Phi(-sqrt(n / (n - 1)) * t)``, where t is the
     quantile of n - 1 degrees of freedom.
 
-    Whole units are drawn with replacement, the same ones for X and Y, and the measure is computed
-    from their sums, so that frames of one recording may depend on each other in any way. The
-    interval is BCa (bias-corrected and accelerated), its ends moved outwards by Student's t to
-    allow for few units: at the level ``1 - 2 * Phi(-sqrt(n / (n - 1)) * t)``, t the quantile of
-    n - 1 degrees of freedom.
-
     Parameters
     ----------
     x, y
@@ -244,8 +238,6 @@ def expanded_tail(n: int) -> float:
 
     ``Phi(-sqrt(n / (n - 1)) * t)``, where t is the quantile of n - 1 degrees of freedom (Hesterberg
     2015).
-
-    ``Phi(-sqrt(n / (n - 1)) * t)``, t the quantile of n - 1 degrees of freedom (Hesterberg 2015).
     """
     t = scipy.special.stdtrit(n - 1, (1 - CONFIDENCE) / 2)
     return float(scipy.special.ndtr(np.sqrt(n / (n - 1)) * t))
@@ -256,9 +248,6 @@ def pseudo_values(x: np.ndarray, y: np.ndarray, statistic: Statistic) -> np.ndar
 
     For a mean over units of equal weight these are the units' own differences. For other measures,
     a unit contributes as much as the difference changes when it is left out.
-
-    For a mean over units of equal weight these are the units' own differences; in other measures a
-    unit counts by how much leaving it out changes the difference.
     """
     n = len(x)
     total_x, total_y = x.sum(axis=0), y.sum(axis=0)
@@ -297,10 +286,6 @@ def studentised_tests(
     whose t is as far from the parts' mean, on the side of the observed mean. Unlike an exchange
     test, this does not assume that positive and negative parts mirror each other, and so it allows
     for skew.
-
-    The units are drawn with replacement, the same ones for all parts; p is twice the share of draws
-    whose t is as far from the parts' mean, on the side of the mean found. Unlike an exchange it
-    does not take positive and negative parts for mirror images, and so allows for skew.
 
     Parameters
     ----------

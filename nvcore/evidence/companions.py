@@ -3,10 +3,6 @@
 A lower threshold gives more detections and more false alarms, and a false alarm near a missed
 pedestrian raises similarity. So a claim of the verdict must also hold if both systems have equally
 many false alarms, and if boxes are paired strictly.
-
-A lower threshold gives more detections and more false alarms, and a false alarm near a missed
-pedestrian raises similarity. So whatever a verdict claims has to hold where both systems have
-equally many false alarms, and where boxes are paired strictly.
 """
 
 from __future__ import annotations
@@ -131,11 +127,6 @@ def judge_equal_alarms(
     have no p and no interval if the recordings say too little about their false alarms
     (`MOST_ERROR`).
 
-    Numbers of false alarms that are equal in these recordings would not be in others: p and
-    intervals allow for that (`shifts_at_equal_alarms`). And the difference has to hold at both ends
-    of the thresholds that give them (`least_of`). Systems that are set unequally have no p and no
-    interval where recordings say too little of their false alarms (`MOST_ERROR`).
-
     Parameters
     ----------
     equal
@@ -195,8 +186,6 @@ def _ends_of_plateau(equal: Result) -> list[Result]:
     """Return the comparisons at the lowest and highest threshold with the same false alarms.
 
     The list is empty if no detection lies between the two.
-
-    Empty where no detection lies between the two.
     """
     moved = moved_of(equal)
     n_target = count_alarms(equal.system(moved))
@@ -216,9 +205,6 @@ def least_of(evidence: pd.DataFrame, ends: Sequence[pd.DataFrame]) -> pd.DataFra
 
     p is the largest one, and 1 if the ends do not agree on the better system. Intervals are
     extended as far as the differences extend.
-
-    p is the largest, and 1 where the ends do not agree on the better system; intervals reach as far
-    beyond as differences do.
     """
     if not ends:
         return evidence

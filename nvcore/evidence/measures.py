@@ -247,7 +247,7 @@ def judge(
     keys
         Some of `nvcore.measures.EVIDENCE_KEYS`, except the log-average miss rate.
     units
-        As of `significance_table`.
+        See `significance_table`.
     """
     units = find_units(result) if units is None else units
     return _judge(result, keys, unit_measures(result, units), units=units, has_intervals=True)
@@ -432,11 +432,6 @@ def correct_together(tests: Mapping[str, MeasureTests], primary: str) -> dict[st
     p. At most 5 % of comparisons without a difference thus claim any at 5 %, provided that each
     test keeps its own level.
 
-    The primary measure is tested by itself. All others are claimed only where it is, and are
-    corrected for one another (`nvcore.evidence.paired_tests.step_down`): their corrected p is at
-    least its p. So at most 5 % of comparisons without a difference claim any at 5 %,
-    as far as each test keeps its own level.
-
     Parameters
     ----------
     primary
@@ -500,15 +495,12 @@ def judge_measure(
     p is the larger of the exact exchange's (`swap_test`) and the studentised bootstrap's, which
     allows for skew. Blocks of time have no p.
 
-    p is the larger of the exact exchange's (`swap_test`) and the studentised bootstrap's, which
-    allows for skew. Blocks of time have none.
-
     Parameters
     ----------
     tested
         Result of `run_together`; None: test this measure by itself.
     shift
-        As of `run_together`.
+        See `run_together`.
     """
     x, y, statistic = measure.x, measure.y, measure.statistic
     n_resamples = N_RESAMPLES if has_interval else 0

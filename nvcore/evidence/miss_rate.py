@@ -34,10 +34,6 @@ def log_average_miss_rate_measure(
     references. A resample or exchange looks up the references among these levels. Over all units,
     the measure is exactly `nvcore.detection.miss_rate.log_average_miss_rate`.
 
-    Each system is counted at the same levels of false positives per image, 200 and the nine
-    references; a resample or exchange looks up the references among these levels. Over all units
-    the measure is exactly `nvcore.detection.miss_rate.log_average_miss_rate`.
-
     Returns
     -------
     None if a system has detections without a score, all its scores are equal, or no pedestrian
@@ -76,9 +72,6 @@ def judge_miss_rate(
     `note` has the reason if it is undefined or 0. The interval covers the units within the
     recordings that the protocol counts. The test covers all units, because units without a part in
     it do not change p.
-
-    Its interval is over the units within the recordings that the protocol counts. It is tested over
-    all units: those without a part in it change no p.
     """
 
     def undefined(why: str) -> Judged:
@@ -149,8 +142,6 @@ def _sums(outcomes: Outcomes, units: Units) -> np.ndarray:
     """Count images, pedestrians, and false and true positives at each level, by unit.
 
     Shape (n_units, 1 + 1 + 2 * n_levels).
-
-    Shape (n_units, 1 + 1 + 2 * n_levels).
     """
     n = len(units)
     unit = units.unit_of_frame
@@ -200,8 +191,6 @@ def _count_up_to(values: np.ndarray, limits: np.ndarray) -> np.ndarray:
     """Count the values, increasing along the last axis, that are at most each limit.
 
     Shapes (..., n) and (..., m) to (..., m). This is `np.searchsorted` for many rows at once.
-
-    Shapes (..., n) and (..., m) to (..., m); `np.searchsorted` for many rows at once.
     """
     n = values.shape[-1]
     flat = values.ravel()

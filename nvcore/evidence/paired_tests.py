@@ -277,14 +277,6 @@ def swap_test(
     exchange. All exchanges are tried if at most `EXACT_UNITS` units differ, otherwise
     `n_permutations` random ones.
 
-    If the systems are exchangeable, the results of a recording could as well have come from the
-    other system. That is what p tests, and it is more than equal means: systems of equal means, of
-    which one errs a little everywhere and the other gravely in a few recordings, are not
-    exchangeable (`studentised_tests` are for that). For a mean this is the sign-flip test, which
-    studentising would not change: the sum of the squared differences is the same in every exchange.
-    All exchanges are tried for up to `EXACT_UNITS` units that differ, else `n_permutations` random
-    ones.
-
     Parameters
     ----------
     x, y, statistic, shift
@@ -369,8 +361,6 @@ def _exchanges(n: int, n_exchanges: int, *, is_exact: bool, seed: int) -> Iterat
 
     Half of all ways suffice for an exact test, because exchanging all other units instead only
     flips the sign.
-
-    Half of all ways suffice if exact: exchanging all other units instead only flips the sign.
     """
     rng = np.random.default_rng(seed)
     n_ways = n_exchanges // 2 if is_exact else n_exchanges
@@ -388,8 +378,6 @@ def holm(p: np.ndarray) -> np.ndarray:
 
     The i-th smallest of m is multiplied by m - i + 1, but the result is at most 1 and never less
     than that of a smaller one.
-
-    The i-th smallest of m is multiplied by m - i + 1, at most 1, never less than a smaller one's.
 
     References
     ----------
@@ -418,12 +406,6 @@ def step_down(draws: np.ndarray, p: np.ndarray, *, n_added: int) -> np.ndarray:
     nothing. The familywise level is kept whatever the dependence between the tests (in the strong
     sense, if the joint distribution of some does not depend on whether the others' hypotheses
     hold).
-
-    In every draw each test's statistic has a p of its own, its rank among all draws. The smallest p
-    found is compared with the smallest p of all tests in each draw, the next smallest one with
-    that of all others, and so on. Tests that say nearly the same cost each other next to nothing.
-    The familywise level is kept however the tests depend on one another (in the strong sense, if
-    the joint distribution of some does not depend on whether the others' hypotheses hold).
 
     Parameters
     ----------

@@ -116,8 +116,6 @@ def judge_groups(
     """Return the evidence on some measures for groups of encounters, by group, then by key.
 
     p is not corrected for the number of groups.
-
-    No p is corrected for the number of groups.
     """
     units = find_units(result) if units is None else units
     judged = {}

@@ -67,10 +67,6 @@ def find_subgroups(result: Result) -> tuple[Subgroup, ...]:
     A factor is left out if the data lack it (occlusion, classes, tags) or one of its groups would
     be empty. A tag without frames is left out, too. A recording may have several tags, a pedestrian
     several classes.
-
-    A factor is left out where the data do not have it (occlusion, classes, tags) or do not divide
-    by it (a part would be empty), and so is a tag without frames. A recording may have several
-    tags, a pedestrian several classes.
     """
     encounters, dataset = result.encounters, result.dataset
     is_near = result.is_near

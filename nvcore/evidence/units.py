@@ -74,8 +74,6 @@ class Units:
         """Sum the weights by unit, skipping unit -1, float64, shape (n_units,).
 
         Without weights, each row counts 1.
-
-        Without weights each counts 1.
         """
         is_in = unit >= 0
         weights = None if weights is None else weights[is_in]
@@ -125,11 +123,6 @@ def find_units(result: Result) -> Units:
     All blocks have about the same number of listed frames: `STRETCH` times the longest length
     (`block_length`) needed for the differences X - Y of similarity, of low frames and of false
     alarms, but at most `MAX_BLOCKS` in all. Every recording has at least one block.
-
-    Recordings that are one (`nvcore.dataset.copies.units_of`) are one unit, and count as one.
-    All blocks have about the same number of listed frames: `STRETCH` times the longest length that
-    the differences X - Y need (`block_length`), of similarity, of low frames and of false
-    alarms; at most `MAX_BLOCKS` in all. Every recording has at least one block.
     """
     frames = result.dataset.frame_columns
     n_of = np.diff(frames.first)

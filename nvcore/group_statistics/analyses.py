@@ -316,9 +316,6 @@ def sphericity(values: np.ndarray) -> float:
 
     At worst it is 1 / (k - 1). ``tr(S)² / ((k - 1) tr(S²))``, where S is the covariance of the
     conditions minus the persons' means. NaN without spread.
-
-    ``tr(S)² / ((k - 1) tr(S²))``, S the covariance of the conditions less the persons' means; NaN
-    without spread.
     """
     left = residuals(values)
     covariance = left.T @ left

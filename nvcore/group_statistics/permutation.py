@@ -3,10 +3,6 @@
 Groups of values are compared by Welch's F, which does not assume equal variances. Ranks, and values
 within persons, are compared by the sum of squares between the groups. The other terms of F, H and
 Friedman's chi2 are the same in every permutation, so their p is the same.
-
-Groups of values are compared by Welch's F, which does not take equal variances for granted. Ranks,
-and values within persons, are compared by the sum of squares between the groups. The rest of F, H
-and Friedman's chi2 is the same in every way, so p is theirs too.
 """
 
 from __future__ import annotations

@@ -31,8 +31,6 @@ class CostMap:
 
     The weight k depends only on the row of the feet, the border only on the lateral position.
 
-    The weight k follows from the row of the feet alone, the border from the lateral position alone.
-
     Attributes
     ----------
     centre_px
@@ -101,9 +99,6 @@ def fit_line(foot_px: np.ndarray, value: np.ndarray, *, height: float) -> FootLi
     """Fit a least-squares line of a value against the foot row, or return None if unreliable.
 
     The line is unreliable with fewer than `LEAST_BOXES` boxes, if all feet are in about the same
-    row, or if the value does not grow downwards.
-
-    It is unreliable with fewer than `LEAST_BOXES` boxes, with feet all in about the same
     row, or if the value does not grow downwards.
 
     Parameters

@@ -185,9 +185,6 @@ def find_coded(encounters: Encounters, dataset: Dataset) -> dict[str, np.ndarray
 
     `NO_CODE` holds the other encounters of recordings with at least one interval. Recordings
     without any may not have been coded at all. The result is empty without coded intervals.
-
-    `NO_CODE` are the others of recordings with an interval: of the rest nobody knows whether they
-    were coded. Nothing without coded intervals.
     """
     codes = dataset.settings.codes
     time_s = dataset.frames["time_s"].to_numpy()
@@ -211,8 +208,6 @@ def find_crossing(encounters: Encounters, truth: BoxColumns, frames: FrameColumn
     """Return which pedestrians cross from one side of the picture to the other, bool.
 
     They are at least `CROSSING_REACH` left of the middle in one frame and right of it in another.
-
-    They are at least `CROSSING_REACH` to the left of its middle once, and to the right once.
     """
     side = _signed_offset(encounters, truth, frames)
     starts = encounters.offsets[:-1]
@@ -227,9 +222,6 @@ def find_in_road(encounters: Encounters, truth: BoxColumns, frames: FrameColumns
     """Return which pedestrians are within `LANE_M` of the car's axis in half of the frames or more.
 
     The result is bool. The lateral distance in metres follows from the box height and `STATURE_M`.
-
-    Metres to the side of the camera's axis come from the height of the box, which stands for
-    `STATURE_M`.
     """
     rows, half = encounters.order, frames.half_width[encounters.frame_index]
     aside_px = np.abs(_signed_offset(encounters, truth, frames)) * half
@@ -242,8 +234,6 @@ def find_groups(encounters: Encounters, truth: BoxColumns) -> np.ndarray:
 
     Beside means at most `COMPANY_M` to the side, scaled by the taller one's height, with heights
     that differ by a factor of at most `ALIKE`.
-
-    Beside: at most `COMPANY_M` to the side, by the taller one's height, and heights `ALIKE`.
     """
     has_company = np.zeros(len(truth), dtype=bool)
     rows = np.flatnonzero(~truth.ignore)
@@ -273,10 +263,6 @@ def find_children(encounters: Encounters, truth: BoxColumns, frames: FrameColumn
     It is compared with the median of all encounters whose stature is known in the same way (at
     least `LEAST_COMPARED`, from one and the same camera). Boxes cut by the picture's edge have
     none.
-
-    Stature is height times distance, else height over the foot point's depth below the horizon,
-    each relative to the median of all encounters of which it is known in the same way (at least
-    `LEAST_COMPARED`, and the same camera throughout). Boxes cut by the picture's edge have none.
     """
     rows = encounters.order
     x, y, w, h = (side[rows] for side in truth.xywh)
@@ -303,8 +289,6 @@ def _signed_offset(encounters: Encounters, truth: BoxColumns, frames: FrameColum
     """Return each box's lateral position in the order of `encounters.order`.
 
     -1 is the left edge of the picture, 0 its middle, 1 its right edge.
-
-    In the order of `encounters.order`.
     """
     rows, half = encounters.order, frames.half_width[encounters.frame_index]
     offset: np.ndarray = (np.clip(truth.x[rows] + 0.5 * truth.w[rows], 0, 2 * half) - half) / half

@@ -212,10 +212,6 @@ def judge_encounters(
     frames is at least ``coverage`` and not 0. Distant encounters (without relevant frames) have
     neither a class nor measures.
 
-    Relevant frames have ``k >= 0.5``; the encounter is detected when the share of matched ones is
-    at least ``coverage`` and not 0. Distant encounters (no relevant frame) have neither class nor
-    measures.
-
     Returns
     -------
     One row per encounter: n_relevant, matched (relevant frames), peak_k, coverage (0..1, 1 is

@@ -58,9 +58,6 @@ def fuse(
 
     ``X or Y`` has X's box of every pair and all unpaired boxes of both. ``X and Y`` has only X's
     box of every pair. Fused boxes carry no score.
-
-    ``X or Y``: every pair once, by X's box, and all unpaired boxes of both; ``X and Y``: the pairs
-    only, by X's box. Fused boxes carry no score.
     """
     x, y = dataset.system(x_name), dataset.system(y_name)
     partner = pair_detections(x, y, is_kept_x, is_kept_y, dataset.frame_columns, iou=iou)

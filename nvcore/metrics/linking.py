@@ -40,10 +40,6 @@ def link_boxes(boxes: BoxColumns, frames: FrameColumns, rows: np.ndarray) -> np.
     pairs with IoU >= 0.3. A track may be missing in up to 2 listed frames and never crosses
     recordings.
 
-    Boxes of successive listed frames are linked by the assignment with the largest total IoU
-    over pairs with IoU >= 0.3; a track may be missing in up to 2 listed frames and never crosses
-    recordings.
-
     Parameters
     ----------
     rows
@@ -61,8 +57,6 @@ def track_truth(truth: BoxColumns, frames: FrameColumns) -> TruthTracks:
     """Return the track of every pedestrian, linking those without an id over the frames.
 
     New ids start after the largest id of their recording, so that no id of the file is used twice.
-
-    New ids follow the largest id of their recording, so that none of the file's is used twice.
     """
     rows = np.flatnonzero((truth.track == NO_TRACK) & ~truth.ignore)
     if not len(rows):

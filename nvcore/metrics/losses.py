@@ -16,8 +16,6 @@ def lost_per_minute(similarity: np.ndarray, step_s: np.ndarray) -> float:
     This is the sum of ``(1 - M) * time step``. 0 is best, 60 means a similarity of 0 throughout,
     NaN means no frames.
 
-    0 is best, 60 a similarity of 0 throughout; NaN without frames.
-
     Parameters
     ----------
     similarity, step_s

@@ -64,8 +64,6 @@ def match_system(dataset: Dataset, name: str, threshold: float | None, params: P
     """Match all detections of a system with `match_boxes`.
 
     The dataset caches the latest result with a threshold and the latest without.
-
-    The latest is kept with the dataset, and the latest without a threshold.
     """
     rule = (params.match, params.iou, params.lateral_tolerance, params.match_class)
     key = (threshold, *rule)
@@ -96,12 +94,6 @@ def match_boxes(
     W, w_truth / 2)``. A remaining detection on an ignore region (intersection over own area >= 0.5)
     is absorbed. With ``match_class="same"``, a pedestrian with a class is only matched by
     detections of that class.
-
-    In each frame detections in descending score (ties: file order; those without a score last)
-    each take the free pedestrian of highest IoU, if it is at least `iou`; with ``match="lateral"``
-    the nearest free one with ``|c_a - c_b| <= max(lateral_tolerance * W, w_truth / 2)``. What is
-    left and lies on an ignore region (intersection over own area >= 0.5) is absorbed. With
-    ``match_class="same"`` a pedestrian with a class is taken by detections of that class alone.
 
     Parameters
     ----------
@@ -150,8 +142,6 @@ def iou_of_pairs(a: Boxes, b: Boxes) -> np.ndarray:
     """Return the intersection over union of boxes at the same position in two sets of arrays.
 
     Arrays of different shapes are broadcast. The result is 0 for two boxes without area.
-
-    Arrays of different shapes are broadcast; 0 for two boxes without area.
     """
     (ax, ay, aw, ah), (bx, by, bw, bh) = a, b
     across = np.minimum(ax + aw, bx + bw) - np.maximum(ax, bx)

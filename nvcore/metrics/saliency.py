@@ -32,9 +32,6 @@ def qualify(distances: SetDistances, frames: FrameColumns, *, tolerance: float) 
 
     A pedestrian only qualifies if ``D(G, S) > tolerance * W/2``. Anything below is localisation
     noise, not a miss.
-
-    The pedestrian that attains D(G, S), if ``D(G, S) > tolerance * W/2``: below that it is
-    localisation noise, not a miss.
     """
     least = tolerance * frames.half_width
     return np.where(distances.d_miss > least, distances.salient_row, -1)
@@ -122,7 +119,7 @@ def find_events(
     d_miss, salient_row
         D(G, S) of each frame, px, and the row that qualifies (`qualify`); shape (n_frames,).
     edge_weight
-        Of each recording; float64, shape (n_recordings,).
+        Edge weight of each recording; float64, shape (n_recordings,).
     k_miss
         Weight of missing each truth row, shape (n_truth,); None: `k_truth`.
 

@@ -21,16 +21,12 @@ def cost_of_miss(
     detection does not count, or else a system that fills the picture with false alarms would have
     no failures.
 
-    ``k * border / (W/2)``: 1 is a pedestrian straight ahead and near. The distance to the nearest
-    detection has no part in it, else a system that fills the picture with false alarms would have
-    no failures.
-
     Parameters
     ----------
     k_truth
         Proximity weight of each truth box, in (0, 1).
     edge_weight
-        Of each recording, 0 urban to 1 rural; float64, shape (n_recordings,).
+        Edge weight of each recording, 0 urban to 1 rural; float64, shape (n_recordings,).
     """
     cost = np.empty(len(truth))
     over_ranges(

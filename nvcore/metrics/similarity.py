@@ -61,9 +61,6 @@ def find_nearest(
     The result does not depend on alpha, edge weight or the sigmoid, so that these can be changed
     live. `measure_matched` is the counterpart for ``pairing="matched"``.
 
-    Independent of alpha, edge weight and the sigmoid, so that these can be changed live.
-    `measure_matched` is its counterpart for ``pairing="matched"``.
-
     Parameters
     ----------
     truth, detections
@@ -99,8 +96,6 @@ def measure_matched(
     With these distances a false alarm is never nearer to a pedestrian than the border, and cannot
     raise similarity.
 
-    A false alarm is then never nearer to a pedestrian than the border, and cannot raise similarity.
-
     Parameters
     ----------
     truth_det
@@ -128,12 +123,10 @@ def border_of(boxes: BoxColumns, frames: FrameColumns, edge_weight: np.ndarray) 
     The border limits the distance between a miss or false alarm and the other set: ``edge_weight *
     W/2 + (1 - edge_weight) * min(c, W - c)``
 
-    ``edge_weight * W/2 + (1 - edge_weight) * min(c, W - c)``
-
     Parameters
     ----------
     edge_weight
-        Of each recording, 0 urban to 1 rural; float64, shape (n_recordings,).
+        Edge weight of each recording, 0 urban to 1 rural; float64, shape (n_recordings,).
     """
     recording = frames.recording[boxes.frame_index]
     width = frames.width[recording]
@@ -162,8 +155,6 @@ def miss_terms(
 
     ``k(a) * min(border(a), nearest(a))``. 0 is best. D(G, S) of a frame is the largest of its
     terms.
-
-    ``k(a) * min(border(a), nearest(a))``: D(G, S) of a frame is the largest of them.
     """
     border = border_of(truth, frames, edge_weight)
     return np.where(truth.ignore, np.nan, k_truth * np.minimum(border, nearest_truth))
@@ -189,7 +180,7 @@ def measure_sets(
     Parameters
     ----------
     edge_weight
-        Of each recording, 0 urban to 1 rural; float64, shape (n_recordings,).
+        Edge weight of each recording, 0 urban to 1 rural; float64, shape (n_recordings,).
     track
         Track of each truth box for ties, if linked; None: ``truth.track``.
 
@@ -238,7 +229,7 @@ def salient_detection(
     row
         Row of the frames table.
     edge_weight
-        Of each recording; float64, shape (n_recordings,).
+        Edge weight of each recording; float64, shape (n_recordings,).
     """
     d, argmax = np.empty(1), np.empty(1, np.int64)
     maximin_frames(
@@ -272,8 +263,6 @@ def smooth(values: np.ndarray, frames: FrameColumns, *, window: float = 1.0) -> 
     """Compute the moving mean over the frames within ``window / 2`` s, never across recordings.
 
     It compares frame numbers, so that a frame exactly half a window away always counts.
-
-    Frame numbers are compared, so that a frame exactly half a window away always counts.
     """
     start, stop = frames.within(window)
     mean: np.ndarray = frames.sums(values, start, stop) / (stop - start)

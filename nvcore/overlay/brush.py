@@ -78,8 +78,6 @@ class Brush:
 
         They are whole pixels, so that thin lines are sharp. Coordinates far outside are clipped, so
         that numbers stay small.
-
-        Whole pixels, so that thin lines are sharp; far outside is cut, so that numbers stay small.
         """
         scaled = xywh * self.scale
         edges = np.column_stack([scaled[:, :2], scaled[:, :2] + scaled[:, 2:] - 1])

@@ -4,11 +4,6 @@ Truth is thin, X solid, Y dashed, each in its colour. A missed pedestrian has co
 of the system that misses them (if both do, left is X and right is Y) and a tag above. The most
 salient one has a triangle there. False alarms are crossed out, ignore regions dotted. Labels avoid
 each other and missed pedestrians (`nvcore.overlay.labels`).
-
-Truth thin, X solid, Y dashed, each in its colour. A missed pedestrian has corners in the colour of
-the system that misses them (both: left X, right Y) and says so above; the most salient one has a
-triangle there. False alarms are crossed, ignore regions dotted. Labels keep off each other and off
-missed pedestrians (`nvcore.overlay.labels`).
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
 """Placement of labels: inside the picture, apart from each other and from missed pedestrians.
 
 A label that does not fit is left out, unless it belongs to a missed pedestrian.
-
-A label that finds no room is left out, unless it is that of a missed pedestrian.
 """
 
 from __future__ import annotations

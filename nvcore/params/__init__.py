@@ -156,9 +156,6 @@ def settings_for(*stages: Stage) -> tuple[str, ...]:
 
     These are the settings of the stages and of all earlier ones. A threshold is only included if
     `THRESHOLD` is one of the stages.
-
-    Those of the stages and of all that come before them; a threshold only if `THRESHOLD` is one of
-    them.
     """
     before: frozenset[Stage] = frozenset().union(*(stage.before for stage in stages))
     return tuple(name for name, known in SETTINGS.items() if known.stage in before)

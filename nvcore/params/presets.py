@@ -42,9 +42,6 @@ class Preset:
 
         Midpoint and spread are None, so that they come from each recording, if they are the default
         shares or the height is unknown.
-
-        Midpoint and spread are None, taken from each recording, where they are the default
-        shares or the height is unknown.
         """
         defaults = {
             name: value

@@ -148,9 +148,6 @@ def _mean_correlations(tables: np.ndarray) -> np.ndarray:
     Pairs with the same common clips are summed at once, because the sum of all products of
     standardised ranks is the product of their sums.
 
-    Pairs that have the same clips in common are summed at once: the sum of all products of
-    standardised ranks is the product of their sums.
-
     Parameters
     ----------
     tables

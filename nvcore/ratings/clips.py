@@ -117,9 +117,6 @@ def compare_clips(result: Result, clips: Iterable[str]) -> Result:
     A miss that begins before a clip begins with it, and recency counts to its end. Clips from other
     comparisons are skipped.
 
-    A miss that begins before a clip begins with it, and recency counts to its end. Clips that are
-    none of this comparison are left out.
-
     Returns
     -------
     `result` itself if no clip is only a part of a recording.

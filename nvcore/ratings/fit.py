@@ -219,8 +219,6 @@ def _events(result: Result, params: Params) -> tuple[np.ndarray, ...]:
     """Return recording, weight (s) by `params`, tau and rest (s) of the saliency events of X and Y.
 
     Recordings of Y are numbered after those of X. Events weighed by risk serve both weights.
-
-    Recordings of Y count after those of X. Events weighed by risk serve both weights.
     """
     n = len(result.dataset.recordings)
     weight = "duration_s" if params.saliency_weight == "time" else "weight_s"

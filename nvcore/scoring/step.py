@@ -192,9 +192,6 @@ def weigh_misses(k: np.ndarray, dataset: Dataset, params: Params, *, rows: Any =
     The weight is ``k`` times the `miss_factors` of subjects. Only ``k`` decides which frames count
     (``k >= 0.5``).
 
-    ``k``, times the `miss_factors` of subjects. Which frames count (``k >= 0.5``) goes by ``k``
-    alone.
-
     Parameters
     ----------
     k

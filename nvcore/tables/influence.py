@@ -48,10 +48,6 @@ def leads(result: Result) -> tuple[Note, ...]:
     The first note is about mean similarity, the second about encounters detected, severity and
     false-alert episodes, each per encounter near enough to count or per second. There are no notes
     if fewer than two recordings have frames, or no system is ahead. They say nothing about chance.
-
-    The first note is about mean similarity, the second about encounters detected, severity and
-    false-alert episodes, each per encounter near enough to count or per second. There are none if
-    fewer than two recordings have frames, or nobody is ahead. They say nothing about chance.
     """
     return (*_similarity_lead(result), *_other_leads(result))
 

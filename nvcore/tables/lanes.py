@@ -37,8 +37,6 @@ def lanes_table(result: Result, recording: int) -> pd.DataFrame:
 
     Frames in which the pedestrian is not annotated belong to no run and end the previous one.
 
-    Frames in which the pedestrian is not annotated belong to no run and end the one before.
-
     Parameters
     ----------
     recording
@@ -89,8 +87,6 @@ def _annotated_rows(result: Result, recording: int) -> tuple[np.ndarray, np.ndar
     """Return the truth rows of a recording's encounters, with their encounters and frame rows.
 
     They are sorted by encounter and frame, and include the ignored boxes of the encounters' tracks.
-
-    Sorted by encounter and frame; includes the ignored boxes of the encounters' tracks.
     """
     encounters, truth = result.encounters, result.dataset.truth
     e0, e1 = np.searchsorted(encounters.recording, [recording, recording + 1])

@@ -14,8 +14,6 @@ class SummaryEntry(NamedTuple):
     """Key and its value, by default the result's attribute of that name.
 
     The value is None or NaN if undefined.
-
-    None or NaN where it is undefined.
     """
 
     column: Column

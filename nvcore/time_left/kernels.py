@@ -16,8 +16,6 @@ def contact_time(t, q, counts, start, stop, now):
     """Return the time to contact at `now` by the line through the counted frames ``start:stop``, s.
 
     Infinite if not closing, NaN with too few frames.
-
-    Infinite: not closing. NaN: too few frames.
     """
     n, mean_t, mean_q = 0, 0.0, 0.0
     for j in range(start, stop):
@@ -78,10 +76,6 @@ def contact_frames(
     `frame_index` has the frames of these rows in the same order. If a frame has several boxes of an
     encounter (a track id given twice), the nearest counts. The rows of other encounters are not
     changed.
-
-    ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
-    `frame_index` has the frames of these rows in the same order. Of the boxes of one frame (a track
-    id given twice) the nearest counts. The rows of other encounters stay as they are.
     """
     for e in range(lo, hi):
         if not is_judged[e]:
@@ -125,9 +119,6 @@ def urgent_frames(lo, hi, offsets, order, frame_index, ttc, needed, least, known
     """Find every encounter's least time to contact, and where it is first known and first urgent.
 
     Writes seconds (NaN: never known) and positions in `order` (-1: nowhere). `needed` is indexed by
-    frame row.
-
-    Writes seconds (NaN: unknown throughout) and places in `order` (-1: nowhere). `needed` is by
     frame row.
     """
     for e in range(lo, hi):

@@ -88,9 +88,6 @@ class Pilot:
 
         The residuals are widened because n recordings drawn with replacement vary less than the
         recordings that they come from.
-
-        The residuals are widened: drawn with replacement, those of n recordings vary less than the
-        recordings that they come from.
         """
         parts: np.ndarray = difference * self.weights + self.widening * self.residuals
         return parts
@@ -150,8 +147,6 @@ def make_pilot(
 
     At least `MIN_PILOT` recordings are needed, because blocks of time do not represent other
     recordings.
-
-    Blocks of time say nothing of other recordings, so at least `MIN_PILOT` recordings are needed.
     """
     units = find_units(result) if units is None else units
     measure: UnitMeasure | None

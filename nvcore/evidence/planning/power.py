@@ -75,11 +75,6 @@ def count_differences_shown(
     reject at equal false alarms, and also as set, unless X and Y are set unequally. If no threshold
     can move, the better system must not have more false alarms.
 
-    A study draws whole recordings of the pilot with replacement, so that whatever belongs to one
-    recording stays together. It claims a difference as the verdict does: where both tests of
-    recordings reject at equal false alarms, and as set as well unless X and Y are set unequally.
-    Where no threshold can move, the better system must not be the one with more false alarms.
-
     Parameters
     ----------
     difference
@@ -125,9 +120,6 @@ def _better(
 
     As in the table of evidence, the tests are the exchange of X and Y
     (`nvcore.evidence.paired_tests.swap_test`) and the studentised bootstrap.
-
-    As in the table of evidence: the exchange of X and Y (`nvcore.evidence.paired_tests.swap_test`)
-    and the studentised bootstrap.
 
     Parameters
     ----------
@@ -190,9 +182,6 @@ def exchange_p(drawn: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.nda
 
     After an exchange, a study's difference is a sum of its parts with random signs, which is
     symmetrical. The expansion is close unless a few parts make up most of that sum.
-
-    Exchanged, a study's difference is a sum of its parts with random signs, which is symmetrical.
-    The expansion is close to it where no few parts make up most of that sum.
 
     Parameters
     ----------
@@ -333,10 +322,6 @@ def count_noninferior(
     thresholds. Each study's 95 % interval is Student's for the ratio of sums, which is close to the
     widened bootstrap interval of the evidence.
 
-    Studies are drawn as in `count_differences_shown`, at equal false alarms if the pilot has
-    thresholds. Each study's 95 % interval is Student's of the ratio of sums, which the widened
-    bootstrap interval of the evidence comes close to.
-
     Parameters
     ----------
     margin
@@ -378,11 +363,6 @@ def find_length(
     normal quantiles of their power over the square root of the size, which is the form of the power
     of a mean. The size at which the line reaches the target is simulated again with more studies.
     The result is the first such size whose own power reaches the target.
-
-    Studies of several sizes about the guess are simulated; a line through the normal quantiles of
-    their power over the square root of the size, which is what the power of a mean follows,
-    smooths them. The size at which it reaches the target is simulated again, with more studies, and
-    is the first of those simulated whose own power does.
 
     Parameters
     ----------

@@ -48,8 +48,6 @@ class Curve:
         Between two thresholds they are interpolated linearly. Beyond the last threshold they are
         constant.
 
-        Between two thresholds by linear interpolation; beyond the last ones, these.
-
         Parameters
         ----------
         drawn
@@ -196,9 +194,6 @@ def _parts_of(
 
     The second result is the standard error of the logarithm of the ratio of false alarms, shape
     (n_studies,). Parts are NaN in studies in which no threshold gives equal false alarms.
-
-    And the standard error of the logarithm of the ratio of false alarms, shape (n_studies,). Parts
-    are NaN in studies in which no threshold gives equal false alarms.
     """
     n_other = drawn @ other.alarms[0]
     target = np.maximum(n_other, 1.0)

@@ -5,12 +5,6 @@ frame f, and write into arrays that the caller allocates. They take a range of f
 ``hi``) and release the interpreter lock, so that `over_ranges` can run them in threads. This avoids
 numba's own parallel mode, which takes seconds to compile. Frames have a handful of boxes, so all
 pairs are tried; below about 48 boxes per side this is faster than sorting.
-
-All kernels work on columns sorted by frame, with ``offsets[f]:offsets[f + 1]`` the rows of frame
-f, and write into arrays that the caller made. They take a range of frames (``lo``, ``hi``) and
-release the interpreter lock, so that `over_ranges` can run them in threads; that avoids numba's
-own parallel mode, which takes seconds to compile. Sets are small (a handful of boxes a frame), so
-all pairs are tried: below about 48 boxes a side that beats sorting.
 """
 
 from __future__ import annotations

@@ -12,9 +12,6 @@ def best_overlaps(frame, gx, gy, gw, gh, lo, hi, x, y, w, h, sx, sy, ox, oy, bes
     Without any, they are 0 and -1. Box g is in frame ``frame[g]``, whose detections are the rows
     ``lo`` to ``hi`` of that frame. Detections are scaled by sx and sy, then shifted by ox and oy.
     Of equal overlaps the last one counts.
-
-    Box g stands in frame ``frame[g]``, whose detections are the rows ``lo`` to ``hi`` of that
-    frame; they are scaled by sx and sy, then moved by ox and oy. Of equal overlaps the last counts.
     """
     for g in range(frame.size):
         best[g], which[g] = 0.0, -1

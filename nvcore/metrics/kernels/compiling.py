@@ -4,11 +4,6 @@ numba caches it next to the source, in the user's cache folder, or in ``$NUMBA_C
 of these is writable (read-only packages and no home), we use a temporary folder that only this user
 can change, because whoever can write the machine code decides what it does. Without such a folder,
 each process compiles again, which takes about ten seconds.
-
-numba keeps it beside the source or in the user's cache folder, or in ``$NUMBA_CACHE_DIR``. Where
-it may write to none of these (read-only packages and no home), it is kept in a folder of the
-temporary files that only this user can change: machine code that others could write would be
-theirs to choose. Where there is none either, each process compiles anew, for some ten seconds.
 """
 
 from __future__ import annotations

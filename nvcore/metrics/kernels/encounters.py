@@ -30,10 +30,6 @@ def encounter_frames(
     ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
     `frame_index` has the frames of these rows in the same order. Rows of the same frame (a track id
     given twice) count as one. Lag, gap and tail are NaN if the encounter is never matched.
-
-    ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
-    `frame_index` has the frames of these rows in the same order. Rows of one
-    frame (a track id given twice) count as one. Never matched: lag, gap and tail are NaN.
     """
     for e in range(lo, hi):
         n_rel, n_hit = 0, 0
@@ -79,11 +75,6 @@ def severity_frames(offsets, encounter_of, gap, k, cost, matched, severity, wors
     was missed). `severity` and `worst` must be 0 before. One pass over all frames, in memory order:
     an encounter's frame is only added when its next one comes, because a track id may be given
     twice in a frame. If a frame has several boxes of an encounter, the largest cost counts.
-
-    Writes the sum of cost and time step, the largest cost and its first frame row (-1: nothing was
-    missed); `severity` and `worst` are 0 before. All frames in one pass, in order of memory: an
-    encounter's frame is added when its next one comes, since a track id may be given twice in a
-    frame. Of the boxes of one frame the largest cost counts.
     """
     n = severity.size
     frame, lost = np.empty(n, np.int64), np.zeros(n)

@@ -139,8 +139,6 @@ def nearest_frames(
 
     The distance is lateral, or between foot points if `ground`, and infinite if the other set is
     empty.
-
-    Lateral, or between foot points if `ground`. Infinite where the other set is empty.
     """
     for f in range(lo, hi):
         a0, a1 = a_offsets[f], a_offsets[f + 1]
@@ -171,8 +169,6 @@ def maximin_frames(
     lo, hi, offsets, x, w, k, near, member, track, edge_weight, recording, width, d, argmax
 ):
     """Compute the weighted MaxiMin distance D(A, B) of every frame and A's row that attains it.
-
-    Ties go to the larger weight, then to the smaller track id. An empty A gives 0 and -1.
 
     Ties go to the larger weight, then to the smaller track id. An empty A gives 0 and -1.
     """

@@ -30,10 +30,6 @@ def join_frames(
     `tolerance`. If both tracks are known (0 or more), they must be equal. Each box is taken once,
     by the first row that fits. Writes the row of the box, or -1, into `row_of`, which must hold -1
     throughout.
-
-    Rows of frame f are ``offsets[f]:offsets[f + 1]``. No coordinate may differ by more than
-    `tolerance`, nor the tracks where both are known (0 or more); each box is taken once, by the
-    first row that fits. Writes the row of the box, or -1, into `row_of`, which holds -1 throughout.
     """
     for f in range(lo, hi):
         first, last = offsets[f], offsets[f + 1]

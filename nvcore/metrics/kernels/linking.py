@@ -2,9 +2,6 @@
 
 It uses plain loops instead of slices and ``np.full``, which would drag numba's string formatting
 (for error messages) into the compilation and take seconds.
-
-Written with plain loops instead of slices and ``np.full``: those drag numba's string formatting
-(of error messages) into the compilation, which takes seconds.
 """
 
 from __future__ import annotations
@@ -26,10 +23,6 @@ def assign(n, m, first, col, gain):
     Shortest augmenting paths with potentials (Jonker and Volgenant 1987; the method of
     ``scipy.optimize.linear_sum_assignment``, which compiled code cannot call), limited to the
     existing pairs. The time per row depends only on the pairs in its connected group.
-
-    Shortest augmenting paths with potentials (Jonker and Volgenant 1987; the method of
-    ``scipy.optimize.linear_sum_assignment``, which compiled code cannot call) along the pairs that
-    there are: a row costs as much as the pairs of the group that it is tied to.
 
     Parameters
     ----------
@@ -125,10 +118,6 @@ def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track)
     Boxes of successive listed frames are assigned to the tracks seen at most `max_gap` listed
     frames before, by the largest total IoU over pairs with ``IoU >= min_iou``. A box without a
     track starts a new one.
-
-    Boxes of successive listed frames are assigned to the tracks seen at most `max_gap` listed
-    frames before, by the largest total IoU over pairs with ``IoU >= min_iou``; a box without a
-    track starts one.
 
     Parameters
     ----------

@@ -32,9 +32,6 @@ def pair_frames(
     Writes the row of each A's partner in B, or -1. Each A keeps its best free B and searches again
     only if that one is taken. Trying all pairs again after every pair would be cubic and take
     minutes for frames with hundreds of boxes.
-
-    Each A keeps its best free B and looks again only when that is taken: trying all pairs
-    again after every pair would be cubic, minutes for frames of hundreds of boxes.
     """
     is_taken = np.zeros(16, np.bool_)
     best, overlap = np.empty(16, np.int64), np.empty(16)

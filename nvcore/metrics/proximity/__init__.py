@@ -59,10 +59,6 @@ def weigh_proximity(
     of the foot point below the horizon instead of h. By distance: ``k = 1 / (1 + exp((distance -
     midpoint_m) / spread_m))``, with boxes without a distance weighted by height.
 
-    By height ``k = 1 / (1 + exp(-(h - midpoint) / spread))``; by horizon with the depth of the
-    foot point below the horizon in place of h; by distance
-    ``k = 1 / (1 + exp((distance - midpoint_m) / spread_m))``, boxes without a distance by height.
-
     Parameters
     ----------
     boxes

@@ -2,9 +2,6 @@
 
 Borrowed distances depend only on the data, not on any setting: neither on thresholds nor on the
 matching rule, nor on the two systems being compared (docs/decisions/041-borrowed-distances.md).
-
-What is borrowed depends on the data alone, and on no setting: neither thresholds nor the rule of
-matching, nor which two systems are compared (docs/decisions/041-borrowed-distances.md).
 """
 
 from __future__ import annotations
@@ -101,11 +98,6 @@ def borrowed_distances(dataset: Dataset) -> Borrowed:
     the distances that its matches of all systems report, whatever their scores. Between two boxes
     of the same pedestrian with an own or reported distance, at most `LONGEST_GAP_S` apart, the
     distance is interpolated linearly in time. Nothing is extrapolated.
-
-    A truth box without a distance takes the median of those that its matches of all systems
-    report, whatever their scores. Between two boxes of the same pedestrian with a distance, own or
-    reported, at most `LONGEST_GAP_S` apart, it is linear in time. Before the first and after the
-    last known one nothing is borrowed.
     """
     borrowed = _known(dataset)
     if borrowed is None:

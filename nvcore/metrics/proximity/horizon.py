@@ -2,9 +2,6 @@
 
 On flat ground a person's height in the picture is proportional to the depth of the feet below the
 horizon: ``h = k * (foot - horizon)``, where k is the person's height over that of the camera.
-
-On flat ground a person's height in the picture is proportional to the depth of the feet below the
-horizon: ``h = k * (foot - horizon)``, k being the person's height over that of the camera.
 """
 
 from __future__ import annotations
@@ -75,8 +72,6 @@ def estimate_horizons(dataset: Dataset) -> tuple[Horizon | None, ...]:
 
     The result is cached. Occluded boxes are left out, as are those within 1 px of the picture's
     edge, which may be cut.
-
-    Boxes within 1 px of the picture's edge, which may be cut, and occluded ones are left out.
     """
     if not dataset.objects.is_on_road:
         return (None,) * len(dataset.recordings)
@@ -112,11 +107,6 @@ def estimate_horizon(
     The line lies half way (by the geometric mean of the slopes) between the regression of heights
     on rows and that of rows on heights, because both are uncertain: people differ in stature, and
     the camera pitches. Both regressions weigh outliers down (Huber). The interval comes from a
-    jackknife over pedestrians, by Student's t.
-
-    The line is that half way (by the geometric mean of the slopes) between the regression of the
-    heights on the rows and that of the rows on the heights, since both are uncertain: people differ
-    in stature, and the camera pitches. Both weigh outliers down (Huber). The interval is that of a
     jackknife over pedestrians, by Student's t.
 
     Parameters

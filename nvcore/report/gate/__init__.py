@@ -39,8 +39,6 @@ def audit_rules(rules: Iterable[Rule], *, strict: bool) -> list[Rule]:
     """Return rules that allow no errors of the audit and, if `strict`, no warnings.
 
     A rule is left out if `rules` already limit that number.
-
-    Left out where `rules` themselves limit the number.
     """
     measures = {rule.name for rule in rules}
     counts = ["audit_errors", *(["audit_warnings"] if strict else [])]

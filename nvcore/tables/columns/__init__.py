@@ -1,8 +1,6 @@
 """Definitions of all columns of a report's files: unit, type and a sentence.
 
 `docs/report.md` shows these sentences, and tables on screen use them as help texts.
-
-`docs/report.md` shows these sentences; tables on screen take their help texts from here.
 """
 
 from __future__ import annotations

@@ -49,9 +49,6 @@ def compare_weightings(result: Result, encounter: int) -> Weightings:
     All other settings are those of the result. By distance, boxes without one count by height, as
     usual. An encounter without any distance is unknown by distance.
 
-    All other settings are those of the result. By distance, boxes that have none count by height,
-    as ever; an encounter without any distance is not known by distance.
-
     Parameters
     ----------
     encounter
