@@ -113,7 +113,7 @@ class Settings:
         )
 
     def names(self, x: str | None, y: str | None) -> tuple[str | None, str | None]:
-        """Return the names of X and Y: the given ones, or its own if the other has another name."""
+        """Return the names of X and Y: those given, or its own unless taken by the other."""
         own_x = None if self.x == y else self.x
         own_y = None if self.y == x else self.y
         return x or own_x, y or own_y

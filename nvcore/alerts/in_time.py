@@ -148,8 +148,9 @@ def draw(
     """Judge the encounters once for each random draw of the drivers' reaction times.
 
     An encounter is in time if ``slack >= reaction + after_s``, as it is urgent below that.
-    Otherwise the car hits at ``sqrt(v^2 - 2 * deceleration * v * (ttc at onset - reaction -
-    after_s))``, or at v without an alert (``docs/metrics.md``, time left).
+    Otherwise the car hits at
+    ``sqrt(v^2 - 2 * deceleration * v * (ttc at onset - reaction - after_s))``, or at v without an
+    alert (``docs/metrics.md``, time left).
 
     Parameters
     ----------

@@ -132,9 +132,10 @@ def audit(
 
 
 def ranked(dataset: Dataset, findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """Sort the findings of all parts of `audit`, worst first, without those that the user accepts.
+    """Sort the findings of all parts of `audit`, worst first, with accepted errors as warnings.
 
-    If an error about a system's frame numbers explains its unplaced rows, these are not reported.
+    Findings that an error about the same system's frame numbers explains are dropped, such as rows
+    that could not be used.
     """
     findings = accepted(findings, dataset.settings.accept)
     misnumbered = {

@@ -90,10 +90,10 @@ def match_boxes(
 
     In each frame, detections in descending score order (file order on ties, those without a score
     last) each take the free pedestrian with the highest IoU, if it is at least `iou`. With
-    ``match="lateral"`` they take the nearest free one with ``|c_a - c_b| <= max(lateral_tolerance *
-    W, w_truth / 2)``. A remaining detection on an ignore region (intersection over own area >= 0.5)
-    is absorbed. With ``match_class="same"``, a pedestrian with a class is only matched by
-    detections of that class.
+    ``match="lateral"`` they take the nearest free one with
+    ``|c_a - c_b| <= max(lateral_tolerance * W, w_truth / 2)``. A remaining detection on an ignore
+    region (intersection over own area >= 0.5) is absorbed. With ``match_class="same"``, a
+    pedestrian with a class is only matched by detections of that class.
 
     Parameters
     ----------

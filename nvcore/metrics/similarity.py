@@ -120,8 +120,8 @@ def measure_matched(
 def border_of(boxes: BoxColumns, frames: FrameColumns, edge_weight: np.ndarray) -> np.ndarray:
     """Compute the border of each box, px, 0 to W/2, shape (n,).
 
-    The border limits the distance between a miss or false alarm and the other set: ``edge_weight *
-    W/2 + (1 - edge_weight) * min(c, W - c)``
+    The border limits the distance between a miss or false alarm and the other set:
+    ``edge_weight * W/2 + (1 - edge_weight) * min(c, W - c)``
 
     Parameters
     ----------

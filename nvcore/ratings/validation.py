@@ -70,10 +70,10 @@ def clip_saliency(result: Result, delay_s: pd.Series | None = None) -> pd.DataFr
     Returns
     -------
     Rows of X, then of Y: ``clip``, ``system``, ``saliency_s`` (0 is best), ``delay_s`` (seconds, 0
-    if unknown), ``recording`` of the clip; means over its time of ``loss_miss``, ``D(G, S) /
-    (W/2)``, and ``loss_false``, ``D(S, G) / (W/2)``, both before weighing by alpha; ``missed_s``,
-    seconds of its saliency events, and ``recency``, their mean recency by duration (0..1; NaN
-    without any).
+    if unknown), ``recording`` of the clip; means over its time of ``loss_miss``,
+    ``D(G, S) / (W/2)``, and ``loss_false``, ``D(S, G) / (W/2)``, both before weighing by alpha;
+    ``missed_s``, seconds of its saliency events, and ``recency``, their mean recency by duration
+    (0..1; NaN without any).
     """
     frames = result.dataset.frame_columns
     names = result.dataset.recordings["name"].astype(str).tolist()

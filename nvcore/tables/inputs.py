@@ -104,7 +104,7 @@ NO_CASES = Cases("frames", np.empty(0, np.int64))
 
 
 def entry_frames(dataset: Dataset, cases: Cases) -> np.ndarray:
-    """Return the row of the frames table of each case, `NO_ROW` if it is not evaluated."""
+    """Return the row of the frames table of each case, `NO_ROW` if not evaluated."""
     if cases.table == "frames":
         return cases.rows.astype(np.int64)
     if cases.table == "boxes":

@@ -56,8 +56,9 @@ def weigh_proximity(
     """Compute the proximity weight of every box. Near ones count more.
 
     By height: ``k = 1 / (1 + exp(-(h - midpoint) / spread))``. By horizon: the same with the depth
-    of the foot point below the horizon instead of h. By distance: ``k = 1 / (1 + exp((distance -
-    midpoint_m) / spread_m))``, with boxes without a distance weighted by height.
+    of the foot point below the horizon instead of h. By distance:
+    ``k = 1 / (1 + exp((distance - midpoint_m) / spread_m))``, with boxes without a distance
+    weighted by height.
 
     Parameters
     ----------
