@@ -62,8 +62,8 @@ def _follow_link() -> None:
     query = st.query_params.to_dict()
     store.PAGE_LINK.set(query)
     values, impossible = address.read_parameters(query)
-    for letter, name in zip("xy", state.systems(), strict=True):
-        span = None if name is None else state.score_span(name)
+    for letter in "xy":
+        span = state.span_of(letter)
         if span is not None and values.get(f"threshold_{letter}", span) is None:
             values[f"threshold_{letter}"] = span[0]  # the slider's left end: every detection counts
     store.NEW_PARAMS.set(dict(values))

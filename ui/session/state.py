@@ -173,8 +173,7 @@ def threshold_of(letter: str) -> float | None:
 
 def set_threshold(letter: str, threshold: float | None) -> None:
     """Move the threshold slider of X or Y (None: to its left end, where every score counts)."""
-    name = systems()["xy".index(letter)]
-    span = None if name is None else score_span(name)
+    span = span_of(letter)
     if span is not None:
         value = span[0] if threshold is None else max(threshold, span[0])
         set_params(**{f"threshold_{letter}": value})
@@ -204,6 +203,12 @@ def score_span(system: str) -> tuple[float, float] | None:
     """Return the lowest and highest score of a system, or None if they do not differ."""
     dataset = opened().dataset
     return cached("score_span", system, lambda: span_of_scores(dataset, system), most=20)
+
+
+def span_of(letter: str) -> tuple[float, float] | None:
+    """Return the lowest and highest score of X or Y, or None if there is no threshold to move."""
+    system = systems()["xy".index(letter)]
+    return None if system is None else score_span(system)
 
 
 def session_params() -> Params:

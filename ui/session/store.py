@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from nvcore.driver.comparison.judging import DriverRegion
     from nvcore.params import Params
     from nvcore.settings import OperatingPoint
-    from nvcore.stages import Stage
     from ui.data.form_session import Purpose
     from ui.data.missing_inputs import PictureCheck
     from ui.data.opening import Trouble
@@ -177,16 +176,6 @@ TAB_IS_SETTLED = Entry("tab_is_settled", False)
 """True once it is known what the tab has open. It then claims nothing more."""
 TAB_CLAIMS = Entry("tab_claims", 0)
 """Number of times that the tab has claimed what it had open."""
-SIDEBAR_SHOWN: Entry[tuple[Stage, ...]] = Entry("sidebar_shown", ())
-"""Stages that the page shows."""
-SIDEBAR_OWN: Entry[tuple[Stage, ...]] = Entry("sidebar_own", ())
-"""Stages that the page is about."""
-SIDEBAR_CONTROLS: Entry[tuple[str, ...]] = Entry("sidebar_controls", ())
-"""Settings that the page itself has buttons for."""
-SIDEBAR_IDLE: Entry[frozenset[str]] = Entry("sidebar_idle", frozenset())
-"""Settings without effect on the page as it is now."""
-SIDEBAR_CHANGED: Entry[dict[str, Any]] = Entry("sidebar_changed", {})
-"""Settings that were changed, and their values before."""
 PRESET: Entry[tuple[int | None, str]] = Entry("preset_chosen", (None, ""))
 """Opening, and the preset chosen last for it."""
 OPERATING_POINT: Entry[OperatingPoint] = Entry("operating_point", "equal-alarms")

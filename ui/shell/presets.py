@@ -79,7 +79,8 @@ def _take(key: str) -> None:
     name: str | None = store.widget(key).get()
     if settings.is_chosen(KEY, key) and name is not None:
         store.PRESET.set((state.workspace().n_opened, name))
-        live_params.set_preset(_BY_NAME[name])
+        for setting, value in _BY_NAME[name].values(live_params.picture_height()).items():
+            reset(setting, value)
 
 
 def reset(name: str, value: Any) -> None:

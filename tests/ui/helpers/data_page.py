@@ -21,7 +21,7 @@ READING = (
     "ui.data.inputs.draw()",
 )  # fmt: skip
 """What files can be opened with, and what is found and read in them."""
-COMPARING = ("ui.data.compare.draw()", "ui.shell.sidebar.draw(wrong, pages.SHOWN['data'])")
+COMPARING = ("ui.data.compare.draw()", "ui.shell.sidebar.draw(wrong, pages.PAGE_OF['data'])")
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
 ASKED = {"width": 640, "height": 480, "fps": 20.0}
 """What the page asks of files that say none of it."""

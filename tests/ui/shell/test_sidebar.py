@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,6 @@ from streamlit.testing.v1 import AppTest
 from streamlit.testing.v1.element_tree import NumberInput
 
 from nvcore.detection.operating_point import threshold_with_alarms
-from nvcore.stages import shown_results
 from pages import FRAMES, begin_with, checked, press, rows, shown, sidebar, texts, write
 from ui.shell import pages
 from ui.shell.operating_point import RATE, points
@@ -18,7 +18,8 @@ from ui.shell.operating_point import RATE, points
 
 @pytest.fixture
 def every_setting_acts(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(pages.SHOWN, "metrics", shown_results())
+    page = replace(pages.PAGE_OF["metrics"], shown=None)
+    monkeypatch.setitem(pages.PAGE_OF, "metrics", page)
 
 
 def legend(page: AppTest) -> str:
@@ -49,9 +50,8 @@ def test_where_no_setting_acts_they_are_folded_away_and_x_and_y_stay():
 
 
 def test_the_settings_are_folded_where_they_move_little_or_nothing():
-    names = [name for section in pages.SECTIONS.values() for name in section]
-    folded = [name for name in names if name in pages.FOLDED or pages.SHOWN.get(name) == ()]
-    assert folded == ["detectors", "study", "ratings", "export", "metrics"]
+    folded = {key for key, page in pages.PAGE_OF.items() if page.is_folded or page.shown == ()}
+    assert folded == {"detectors", "study", "ratings", "export", "metrics"}
 
 
 def test_x_and_y_are_swapped_beside_their_names():
