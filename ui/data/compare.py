@@ -121,9 +121,9 @@ def _choose(letter: str) -> None:
     x, y = state.systems()
     chosen = store.CHOICE.of(letter).get()
     if letter == "x":
-        systems.compare(chosen, x if chosen == y else y)
+        state.compare_systems(chosen, x if chosen == y else y)
     else:
-        systems.compare(y if chosen == x and y is not None else x, chosen)
+        state.compare_systems(y if chosen == x and y is not None else x, chosen)
 
 
 def _draw_exact(named: Sequence[tuple[str, str]]) -> None:

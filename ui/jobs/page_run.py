@@ -10,7 +10,6 @@ from typing import Any, Generic
 import streamlit as st
 
 from nvcore.dataset import Dataset
-from nvcore.inputs.changes import live_session
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress
 from ui.jobs.background import BackgroundJob, JobState, Output
@@ -159,9 +158,7 @@ def named_in(session: Session, path: Path) -> str:
 
 def dataset_of(names: Collection[str]) -> Dataset:
     """Return these recordings of what is open, with the live session as settings."""
-    opened, (x, y) = state.opened(), state.systems()
-    session = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
-    dataset = opened.dataset.with_settings(session)
+    dataset = state.opened().dataset.with_settings(state.live_session())
     return dataset if {*names} == {*state.recording_names()} else dataset.only(names=names)
 
 

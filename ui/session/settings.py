@@ -13,7 +13,6 @@ from typing import Any, Final
 import streamlit as st
 
 from ui.session import address, state, store
-from ui.session.opening import with_systems
 
 _NONE: Final = object()
 
@@ -44,11 +43,10 @@ def begin_run() -> None:
 def _follow_link() -> None:
     """Take systems, recording and frame from the address with which the session was opened."""
     get = st.query_params.get
-    session, dataset = state.opened().session, state.opened().dataset
-    pair, wrong_systems = address.read_systems(get("x"), get("y"), dataset.systems)
+    systems = state.opened().dataset.systems
+    pair, wrong_systems = address.read_systems(get("x"), get("y"), systems)
     if pair is not None and pair != state.systems():
-        x, y = pair
-        state.compare_as(with_systems(session, dataset, state.params(), x=x, y=y)[0])
+        state.compare_systems(*pair)
     session, every = state.opened().session, state.opened().whole.recordings
     listed = every[every["name"].isin(session.only)] if session.only else every
     tags, wrong_tags = address.read_tags(get("tags"), listed["tags"])

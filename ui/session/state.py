@@ -16,6 +16,7 @@ from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import span_of_scores
 from nvcore.evidence.operating_points import at_operating_point
+from nvcore.inputs.changes import live_session as with_live
 from nvcore.inputs.session import Session
 from nvcore.notes import Note
 from nvcore.palette import Scheme, Shade, scheme_for
@@ -276,8 +277,7 @@ def operating_point() -> OperatingPoint:
 def set_operating_point(point: OperatingPoint) -> None:
     """Set whether unequal thresholds are compared as set or at equal false alarms."""
     if point != operating_point():
-        changed = replace(opened().session, operating_point=point)
-        workspace().opened = replace(opened(), session=changed)
+        _change_session(operating_point=point)
 
 
 def _compare(dataset: Dataset, settings: Params, x: str, y: str, previous: Result | None) -> Result:
@@ -295,7 +295,29 @@ def protocol() -> Protocol:
 def set_protocol(protocol: Protocol) -> None:
     """Set the protocol of the detection measures."""
     if opened().session.protocol != protocol:
-        workspace().opened = replace(opened(), session=replace(opened().session, protocol=protocol))
+        _change_session(protocol=protocol)
+
+
+def _change_session(**fields: Any) -> None:
+    workspace().opened = replace(opened(), session=replace(opened().session, **fields))
+
+
+def live_session() -> Session:
+    """Return the open session with the live parameters as its settings."""
+    x, y = systems()
+    return with_live(opened().session, opened().dataset, params(), x=x, y=y)
+
+
+def compare_systems(x: str, y: str | None) -> None:
+    """Make these X and Y, and keep each system's threshold. The caller reruns the page."""
+    live = live_session()
+    thresholds = [system.threshold for system in live.systems]
+    threshold_by_name = dict(zip(opened().dataset.systems, thresholds, strict=True))
+    settings = replace(opened().session.params, threshold_x=None, threshold_y=None)
+    compare_as(replace(live, params=settings, x=x, y=y))
+    for letter, name in (("x", x), ("y", y)):
+        if name is not None:
+            set_threshold(letter, threshold_by_name[name])
 
 
 def compare_as(session: Session, whole: Dataset | None = None) -> None:

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import streamlit as st
 
-from nvcore.params import SETTINGS
+from nvcore.params import SETTINGS, Params
 from nvcore.params.presets import PRESETS, Preset, presets_for
 from nvcore.stages import THRESHOLD
 from nvcore.wording import count_text
@@ -59,8 +59,7 @@ def draw(moved: dict[str, Any]) -> None:
         width="stretch",
         help="  \n".join(f"*{preset.name}*: {state.say(preset.text)}" for preset in _presets()),
     )
-    label = f"{count_text(len(moved), 'setting')} changed" if moved else "No setting changed"
-    with st.popover(label, type="tertiary", disabled=not moved, key="changed"):
+    with st.popover(_changes_text(moved), type="tertiary", disabled=not moved, key="changed"):
         for name, value in moved.items():
             setting = SETTINGS[name]
             st.button(
@@ -72,6 +71,14 @@ def draw(moved: dict[str, Any]) -> None:
                 on_click=reset,
                 args=(name, value),
             )
+
+
+def _changes_text(moved: dict[str, Any]) -> str:
+    """How many settings were moved; where none was, whether the session gives some of its own."""
+    if moved:
+        return f"{count_text(len(moved), 'setting')} changed"
+    is_of_session = _chosen() is None and state.session_params() != Params()
+    return "Settings of the session" if is_of_session else "No setting changed"
 
 
 def _take(key: str) -> None:
@@ -100,10 +107,15 @@ def _live() -> dict[str, Any]:
 def _base() -> dict[str, Any]:
     start = state.session_params()
     base = {name: getattr(start, name) for name in SETTINGS}
-    opening, name = store.PRESET.get()
-    if opening == state.workspace().n_opened:
-        base |= _BY_NAME[name].values(live_params.picture_height())
+    if (preset := _chosen()) is not None:
+        base |= preset.values(live_params.picture_height())
     return base
+
+
+def _chosen() -> Preset | None:
+    """The preset chosen last for what is open."""
+    opening, name = store.PRESET.get()
+    return _BY_NAME[name] if opening == state.workspace().n_opened else None
 
 
 def _resolved(name: str, value: Any) -> Any:

@@ -181,3 +181,16 @@ def test_settings_of_the_driver_are_there_where_detectability_is_known(
     assert ("**The driver**" in [text.value for text in page.markdown]) is is_known
     assert ("driver_threshold" in keys(page)) is is_known
     assert ("driver_weighting" in keys(page)) is is_known
+
+
+@pytest.mark.usefixtures("every_setting_acts")
+@pytest.mark.parametrize(
+    ("alpha", "words"), [(0.9, "No setting changed"), (0.4, "Settings of the session")]
+)
+def test_settings_that_the_session_gives_are_named(
+    alpha: float, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    session = session_of(drive(tmp_path))
+    params = replace(session.params, alpha=alpha)
+    begin_with(replace(session, params=params), monkeypatch)
+    assert words in [popover.proto.popover.label for popover in sidebar().get("popover")]
