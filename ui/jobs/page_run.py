@@ -81,9 +81,7 @@ class PageRun(Generic[Output]):
             is_run = folder.name.removeprefix(f"{self.folder}-").isdecimal()
             if is_run and not any(path.is_relative_to(folder) for path in in_use):
                 remove_folder(space, folder)
-        with space.lock:
-            space.n_received += 1
-            folder = base / f"{self.folder}-{space.n_received}"
+        folder = base / f"{self.folder}-{next(space.numbers)}"
         (folder / ANNOTATION_FOLDERS).mkdir(mode=0o700, parents=True)
         return folder
 

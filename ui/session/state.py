@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, TypeVar
@@ -256,9 +257,13 @@ def result_as_set() -> Result | None:
     x, y = systems()
     if y is None:
         return None
-    return kept_result(
-        cached, settings, x, y, lambda: _compare(dataset, settings, x, y, space.result)
-    )
+    previous = space.result
+
+    def make() -> Result:
+        with nullcontext() if previous is not None else st.spinner("Comparing the systems"):
+            return compare(dataset, settings, x=x, y=y, previous=previous)
+
+    return kept_result(cached, settings, x, y, make)
 
 
 def kept_result(
@@ -278,13 +283,6 @@ def set_operating_point(point: OperatingPoint) -> None:
     """Set whether unequal thresholds are compared as set or at equal false alarms."""
     if point != operating_point():
         _change_session(operating_point=point)
-
-
-def _compare(dataset: Dataset, settings: Params, x: str, y: str, previous: Result | None) -> Result:
-    if previous is not None:
-        return compare(dataset, settings, x=x, y=y, previous=previous)
-    with st.spinner("Comparing the systems"):
-        return compare(dataset, settings, x=x, y=y)
 
 
 def protocol() -> Protocol:

@@ -7,10 +7,11 @@ import secrets
 import shutil
 import threading
 import weakref
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import count
 from pathlib import Path, PurePosixPath
 from typing import Any, Final, Literal, NamedTuple, Protocol, TypeVar
 
@@ -214,8 +215,10 @@ class Workspace(Caching):
         Number of the form that is being filled in, see `Stored`.
     form_folder
         Folder of its annotations. None if it has none yet.
-    used_bytes, n_received
-        Size and number of all uploads.
+    used_bytes
+        Size of all uploads.
+    numbers
+        Numbers for the names of new folders.
     upload_bytes
         Share of `used_bytes` that belongs to annotations and outputs of runs, by folder.
     lock
@@ -254,8 +257,8 @@ class Workspace(Caching):
         self.form = 0
         self.form_folder: Path | None = None
         self.used_bytes = 0
-        self.upload_bytes: dict[Path, int] = {}
-        self.n_received = 0
+        self.upload_bytes = Counter[Path]()
+        self.numbers = count(1)
         self.refusal = ""
         self.notes: dict[str, Any] = {}
         self._jobs: dict[str, Job] = {}

@@ -32,7 +32,11 @@ def read() -> str:
         params = Params(**values)
     except ParameterError as error:
         return str(error)
-    if _lacks_horizon(params):
+    if (
+        params.proximity == "horizon"
+        and params.horizon is None
+        and state.opened().dataset.recordings["horizon"].isna().any()
+    ):
         return "The recordings do not state the row of the horizon: type it above"
     store.PARAMS.set(params)
     return ""
@@ -42,13 +46,6 @@ def _read(name: str, setting: Setting) -> Any:
     if setting.stage is THRESHOLD:
         return _threshold(name)
     return value_of(name) if setting.height_share is None else _chosen_height_px(name)
-
-
-def _lacks_horizon(params: Params) -> bool:
-    is_unknown = (
-        params.horizon is None and state.opened().dataset.recordings["horizon"].isna().any()
-    )
-    return params.proximity == "horizon" and bool(is_unknown)
 
 
 def value_of(name: str) -> Any:

@@ -14,7 +14,6 @@ from streamlit.testing.v1 import AppTest
 
 from pages import checked, part, press, space_of
 from ui.session.uploads import receive
-from ui.session.workspace import PICTURES
 
 READING = (
     "ui.data.opening.draw_outcome()", "ui.data.choose.draw()", "ui.data.audit.findings.draw()",
@@ -143,7 +142,7 @@ def send_video(page: AppTest, name: str, n_bytes: int | None = None) -> AppTest:
     async def content():
         yield (ROOT / "sample_data" / "odd_pose.mp4").read_bytes()[:n_bytes]
 
-    asyncio.run(receive(space_of(page), PICTURES, name, content()))
+    asyncio.run(receive(space_of(page), name, content()))
     return checked(page.run())
 
 
