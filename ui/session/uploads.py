@@ -383,13 +383,13 @@ def store_annotations(
 
 def _unpack(space: Workspace, packed: Path) -> tuple[Path, int]:
     """Replace an archive by its content. Return the content's folder and its bytes."""
-    room = min(MAX_UNPACKED_BYTES, _room(space))
+    n_left = max(min(n_left for n_left, _, _ in _limits(space)), 0)
     folder = packed.with_name(
         free_name(packed.stem, (path.name for path in packed.parent.iterdir()))
     )
     folder.mkdir()
     try:
-        with Archive(packed, ArchiveLimits(total_bytes=room)) as archive:
+        with Archive(packed, ArchiveLimits(total_bytes=min(MAX_UNPACKED_BYTES, n_left))) as archive:
             paths = archive.unpack(folder)
     except MediaError:
         shutil.rmtree(folder, ignore_errors=True)
@@ -404,40 +404,36 @@ def _unpack(space: Workspace, packed: Path) -> tuple[Path, int]:
         folder = inside[0]
 
 
-def _room(space: Workspace) -> int:
-    """Bytes left in the quota of the session."""
-    on_disk = shutil.disk_usage(space.folder).free - SPARE_BYTES
-    of_all = limits_of_environment().max_disk_mb * MEBI - used_by_all()
-    return max(min(MAX_SESSION_BYTES - space.used_bytes, on_disk, of_all), 0)
-
-
-def check_room(space: Workspace, n_bytes: int, *, so_far: int = 0) -> None:
-    """Raise UploadError if more bytes exceed the quota, `so_far` of the file being written."""
-    is_full = used_by_all() + n_bytes > limits_of_environment().max_disk_mb * MEBI
-    has_disk = shutil.disk_usage(space.folder).free - n_bytes >= SPARE_BYTES
-    for is_beyond, message, status in (
+def _limits(space: Workspace, so_far: int = 0) -> tuple[tuple[int, str, HTTPStatus], ...]:
+    """Return the bytes left under each limit, and what to say where that is not enough."""
+    return (
         (
-            so_far + n_bytes > MAX_FILE_BYTES,
+            MAX_FILE_BYTES - so_far,
             f"The file is larger than {MAX_FILE_BYTES / 2**30:g} GiB; send the recordings one by "
             "one, or a shorter part.",
             HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
         ),
         (
-            space.used_bytes + n_bytes > MAX_SESSION_BYTES,
+            MAX_SESSION_BYTES - space.used_bytes,
             f"A session takes {MAX_SESSION_BYTES / 2**30:g} GiB in all; remove uploads that are "
             "no longer needed.",
             HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
         ),
         (
-            is_full,
+            limits_of_environment().max_disk_mb * MEBI - used_by_all(),
             "The server holds as many uploads as it may; try again later.",
             HTTPStatus.INSUFFICIENT_STORAGE,
         ),
         (
-            not has_disk,
+            shutil.disk_usage(space.folder).free - SPARE_BYTES,
             "There is no room left on the server's disk; tell the one who runs it.",
             HTTPStatus.INSUFFICIENT_STORAGE,
         ),
-    ):
-        if is_beyond:
+    )
+
+
+def check_room(space: Workspace, n_bytes: int, *, so_far: int = 0) -> None:
+    """Raise UploadError if more bytes exceed the quota, `so_far` of the file being written."""
+    for n_left, message, status in _limits(space, so_far):
+        if n_bytes > n_left:
             raise UploadError(message, status)
