@@ -235,10 +235,7 @@ def _new_slot(space: Workspace, slot: str) -> Path:
     """Choose a folder below that of the form, and remove those of the slot that are not in use."""
     if space.form_folder is None:
         space.form_folder = new_upload(space)
-    in_use = _paths_in_use(space)
-    for before in space.form_folder.glob(f"[0-9]*-{slot}"):
-        if not any(path.is_relative_to(before) for path in in_use):
-            remove_folder(space, before)
+    remove_unused(space, space.form_folder.glob(f"[0-9]*-{slot}"))
     return space.form_folder / f"{next(space.numbers)}-{slot}"
 
 
@@ -265,11 +262,8 @@ def new_upload(space: Workspace) -> Path:
     The folders of the open comparison and of the form stay.
     """
     open_folder = None if space.opened is None else space.opened.session.folder
-    in_use = _paths_in_use(space)
-    for folder in space.folder.glob("upload-*"):
-        is_kept = folder in (open_folder, space.form_folder)
-        if not is_kept and not any(path.is_relative_to(folder) for path in in_use):
-            remove_folder(space, folder)
+    kept = (open_folder, space.form_folder)
+    remove_unused(space, (path for path in space.folder.glob("upload-*") if path not in kept))
     folder = space.folder / f"upload-{next(space.numbers)}"
     folder.mkdir(mode=0o700)
     return folder
@@ -297,6 +291,14 @@ def store_model(
     for old in before:
         remove_folder(space, old)
     return folder / name
+
+
+def remove_unused(space: Workspace, folders: Iterable[Path]) -> None:
+    """Remove folders of the session in which the open comparison uses no file."""
+    in_use = _paths_in_use(space)
+    for folder in folders:
+        if not any(path.is_relative_to(folder) for path in in_use):
+            remove_folder(space, folder)
 
 
 def remove_folder(space: Workspace, folder: Path) -> None:

@@ -23,10 +23,10 @@ _BY_NAME: Final = {preset.name: preset for preset in PRESETS}
 
 def preset_in_use() -> Preset | None:
     """The preset whose values all settings but the thresholds have; None: custom settings."""
-    live = _live()
+    live = state.params()
     for preset in _presets():
         values = preset.values(live_params.picture_height())
-        if all(_is_same(name, live[name], values[name]) for name in values):
+        if all(_is_same(name, getattr(live, name), values[name]) for name in values):
             return preset
     return None
 
@@ -40,8 +40,15 @@ def changed() -> dict[str, Any]:
 
     Thresholds belong to no preset: they are compared with those of what is open.
     """
-    base, live = _base(), _live()
-    return {name: base[name] for name in SETTINGS if not _is_same(name, live[name], base[name])}
+    base = {name: getattr(state.session_params(), name) for name in SETTINGS}
+    if (preset := _chosen()) is not None:
+        base |= preset.values(live_params.picture_height())
+    live = state.params()
+    return {
+        name: value
+        for name, value in base.items()
+        if not _is_same(name, getattr(live, name), value)
+    }
 
 
 def draw(moved: dict[str, Any]) -> None:
@@ -61,10 +68,9 @@ def draw(moved: dict[str, Any]) -> None:
     )
     with st.popover(_changes_text(moved), type="tertiary", disabled=not moved, key="changed"):
         for name, value in moved.items():
-            setting = SETTINGS[name]
+            label, now = SETTINGS[name].label_with_unit, getattr(state.params(), name)
             st.button(
-                f"{state.say(setting.label_with_unit)}: {_text(name, _live()[name])}, back to "
-                f"{_text(name, value)}",
+                f"{state.say(label)}: {_text(name, now)}, back to {_text(name, value)}",
                 key=f"reset_{name}",
                 icon=":material/undo:",
                 type="tertiary",
@@ -97,19 +103,6 @@ def reset(name: str, value: Any) -> None:
         state.set_threshold(name[-1], value)
     else:
         state.set_params(**{name: _resolved(name, value)})
-
-
-def _live() -> dict[str, Any]:
-    params = state.params()
-    return {name: getattr(params, name) for name in SETTINGS}
-
-
-def _base() -> dict[str, Any]:
-    start = state.session_params()
-    base = {name: getattr(start, name) for name in SETTINGS}
-    if (preset := _chosen()) is not None:
-        base |= preset.values(live_params.picture_height())
-    return base
 
 
 def _chosen() -> Preset | None:
