@@ -214,8 +214,7 @@ def _plots(letter: str, name: str, threshold: float | None) -> tuple[go.Figure, 
 def _take_threshold(letter: str) -> None:
     threshold = store.EXACT_THRESHOLD.of(letter).get()
     state.set_threshold(letter, threshold)
-    name = state.systems()["xy".index(letter)]
-    span = None if name is None else state.score_span(name)
+    span = state.span_of(letter)
     if threshold is not None and span is not None and threshold <= span[0]:
         store.LOWEST_THRESHOLD.set((letter, threshold))
 

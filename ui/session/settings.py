@@ -42,7 +42,8 @@ def begin_run() -> None:
 
 def _follow_link() -> None:
     """Take systems, recording and frame from the address with which the session was opened."""
-    get = st.query_params.get
+    query = st.query_params.to_dict()
+    get = query.get
     systems = state.opened().dataset.systems
     pair, wrong_systems = address.read_systems(get("x"), get("y"), systems)
     if pair is not None and pair != state.systems():
@@ -57,7 +58,6 @@ def _follow_link() -> None:
         state.set_operating_point(point)
     names, numbers = state.recording_names(), state.frame_numbers
     place, wrong = address.read_place(get("recording"), get("frame"), names, numbers)
-    query = st.query_params.to_dict()
     store.PAGE_LINK.set(query)
     values, impossible = address.read_parameters(query)
     for letter in "xy":
