@@ -20,17 +20,7 @@ from ui.shell import (
 )
 from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
-from ui.shell.pages import (
-    all_pages,
-    controls_of,
-    draw_bar,
-    draw_questions,
-    draw_tabs,
-    idle_on,
-    is_folded_on,
-    own_of,
-    shown_on,
-)
+from ui.shell.pages import all_pages, draw_bar, draw_questions, draw_tabs, page_of
 from ui.subjects import contributed
 from ui.widgets.text import plain
 
@@ -51,7 +41,8 @@ if not account.is_welcome():
     st.stop()
 
 pages = all_pages()
-page = st.navigation(pages, position="hidden")
+page = st.navigation(list(pages.values()), position="hidden")
+here = page_of(page)
 bar = st.container(key="navigation_place")
 
 wrong_params = failure = None
@@ -60,7 +51,7 @@ try:
     settings.begin_run()
     if not is_participant():
         with bar:
-            draw_bar(pages, page)
+            draw_bar(pages, here)
     tab.follow_history()
     leave_screen(state.workspace(), page.url_path if is_participant() else "")
     if not is_participant():
@@ -69,7 +60,7 @@ try:
             for aside in contributed("ASIDE"):
                 aside.draw(page.url_path)
     wrong_params = live_params.read()
-    if not is_participant() and page.url_path not in WRITE_ADDRESS:
+    if not is_participant() and here.key not in WRITE_ADDRESS:
         state.write_address()
     if not is_participant():
         title.draw(page.title, page.url_path)
@@ -79,10 +70,10 @@ try:
         state.workspace().refusal = ""
         st.toast(plain(refusal), icon=":material/error:", duration="infinite")  # outlasts the run
     if not is_participant():
-        draw_tabs(pages, page)
+        draw_tabs(pages, here)
     page.run()
     if not is_participant():
-        draw_questions(pages, page)
+        draw_questions(pages, here)
     store.PAGE_LINK.pop()  # it was for this page
 except Exception as error:  # noqa: BLE001  # draw the sidebar, or its widgets lose their values
     error_banner(error)
@@ -90,15 +81,7 @@ except Exception as error:  # noqa: BLE001  # draw the sidebar, or its widgets l
 store.CLICKED.pop()  # the widget is gone
 if wrong_params is not None and not is_participant():  # a comparison is open
     try:
-        shown = shown_on(page)
-        sidebar.draw(
-            wrong_params,
-            shown,
-            own=own_of(page),
-            controls=controls_of(page),
-            idle=idle_on(page),
-            is_folded=is_folded_on(page, shown),
-        )
+        sidebar.draw(wrong_params, here)
     except Exception as error:  # noqa: BLE001  # draw what follows
         if failure is None:
             error_banner(error)

@@ -14,7 +14,7 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.palette import Theme
-from nvcore.stages import Stage
+from nvcore.stages import Stage, shown_results
 from nvcore.subjects import resolve, subjects
 
 Section = Literal["Compare", "Evidence", "Lab", "Help"]
@@ -36,8 +36,7 @@ class Page:
     tab_of
         Key of the page that has it as a tab, instead of an entry of its own.
     lacks
-        Returns what the comparison lacks for this page, as a short sentence (empty: nothing).
-        None: no comparison lacks anything.
+        Returns what the comparison lacks for this page, as a short sentence. Empty: nothing.
     asks
         Question of the page, for a link to it at the end of the Overview. Empty: no link.
     after
@@ -50,7 +49,8 @@ class Page:
     controls
         Settings of these stages for which the page has buttons. The sidebar leaves them out.
     idle
-        Returns the settings that have no effect on the page as it is. None: `shown` decides.
+        Returns settings that have no effect on the page as it is, besides those that `shown` makes
+        quiet.
     is_folded
         True if the settings are folded away although they affect what it shows.
     script
@@ -64,13 +64,19 @@ class Page:
     shown: tuple[Stage, ...] | None = None
     own: tuple[Stage, ...] = ()
     controls: tuple[str, ...] = ()
-    idle: Callable[[], frozenset[str]] | None = None
+    idle: Callable[[], frozenset[str]] = frozenset
     is_folded: bool = False
     script: str = ""
     icon: str = ""
     tab_of: str = ""
-    lacks: Callable[[], str] | None = None
+    lacks: Callable[[], str] = str
     asks: str = ""
+
+    def stages(self) -> tuple[Stage, ...]:
+        """Return the stages whose results it shows of what is open."""
+        if self.lacks():
+            return ()
+        return shown_results() if self.shown is None else self.shown
 
 
 @dataclass(frozen=True)

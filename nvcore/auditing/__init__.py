@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -58,6 +59,7 @@ from nvcore.findings import (
 from nvcore.inputs.session import Session
 from nvcore.metrics.matching import match_system
 from nvcore.params import Params
+from nvcore.stages import MATCH, PROXIMITY, THRESHOLD
 from nvcore.subjects import contributed
 
 if TYPE_CHECKING:
@@ -121,23 +123,34 @@ def audit(
     >>> [finding.code for finding in audit(dataset)]  # doctest: +SKIP
     ['duplicate-track', 'time-offset']
     """
-    names = _compared(dataset, x, y)
     params = dataset.params_of(x, y) if params is None else params
-    findings = [*audit_inputs(dataset)]
-    for system in dataset.systems:
-        findings += audit_system(dataset, system, threshold_of(system, names, params))
-    findings += audit_pair(dataset, params, x=x, y=y)
-    findings += audit_view(dataset, params)
-    return ranked(dataset, findings)
+    return audit_in_parts(dataset, params, x, y, lambda _kind, _key, make, **_: make())
 
 
-def ranked(dataset: Dataset, findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """Sort the findings of all parts of `audit`, worst first, with accepted errors as warnings.
+def audit_in_parts(
+    dataset: Dataset, params: Params, x: str | None, y: str | None, cached: Callable[..., Any]
+) -> tuple[Finding, ...]:
+    """Run `audit` in parts that each depend on few settings, worst findings first.
 
-    Findings that an error about the same system's frame numbers explains are dropped, such as rows
-    that could not be used.
+    Parameters
+    ----------
+    cached
+        Called with the name of a part, the values it depends on, the function that computes it, and
+        `most`, the number of results to keep. It returns that function's result, new or cached.
     """
+    names = _compared(dataset, x, y)
+    findings = [*cached("audit_inputs", (), lambda: audit_inputs(dataset))]
+    for system in dataset.systems:
+        key = system, threshold_of(system, names, params)
+        n_kept = 2 * len(dataset.systems)
+        findings += cached("audit_system", key, partial(audit_system, dataset, *key), most=n_kept)
+    of_pair = params.only_for(THRESHOLD, MATCH, PROXIMITY)
+    findings += cached(
+        "audit_pair", (of_pair, x, y), lambda: audit_pair(dataset, of_pair, x=x, y=y)
+    )
+    findings += audit_view(dataset, params)
     findings = accepted(findings, dataset.settings.accept)
+    # an error about a system's frame numbers explains that its rows have no place
     misnumbered = {
         finding.subject
         for finding in findings

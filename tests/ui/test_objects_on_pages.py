@@ -68,6 +68,8 @@ def test_the_driver_is_asked_about_speed_signs(visit: AppTest):
 
 
 def test_the_preset_of_speed_signs_is_offered(visit: AppTest):
-    page = checked(part("ui.shell.sidebar.draw(wrong, ())", space=space_of(visit)).run())
+    page = checked(
+        part("ui.shell.sidebar.draw(wrong, pages.PAGE_OF['data'])", space=space_of(visit)).run()
+    )
     (presets,) = [group for group in page.get("button_group") if "Preset" in group.label]
     assert "Speed signs" in presets.options

@@ -62,8 +62,7 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def test_its_page_stands_where_it_says(toy: None):
     page = runpy.run_path(pages.__file__)
     assert [*page["SECTIONS"]["Compare"].items()][1:3] == [("overview", "Overview"), ("toy", "Toy")]
-    assert page["SHOWN"]["toy"] == ()
-    assert page["OWN"]["toy"] == (SALIENCY,)
+    assert page["PAGE_OF"]["toy"].own == (SALIENCY,)
 
 
 def test_its_document_is_one_of_the_documentation(toy: None):

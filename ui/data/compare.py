@@ -121,9 +121,9 @@ def _choose(letter: str) -> None:
     x, y = state.systems()
     chosen = store.CHOICE.of(letter).get()
     if letter == "x":
-        systems.compare(chosen, x if chosen == y else y)
+        state.compare_systems(chosen, x if chosen == y else y)
     else:
-        systems.compare(y if chosen == x and y is not None else x, chosen)
+        state.compare_systems(y if chosen == x and y is not None else x, chosen)
 
 
 def _draw_exact(named: Sequence[tuple[str, str]]) -> None:
@@ -214,8 +214,7 @@ def _plots(letter: str, name: str, threshold: float | None) -> tuple[go.Figure, 
 def _take_threshold(letter: str) -> None:
     threshold = store.EXACT_THRESHOLD.of(letter).get()
     state.set_threshold(letter, threshold)
-    name = state.systems()["xy".index(letter)]
-    span = None if name is None else state.score_span(name)
+    span = state.span_of(letter)
     if threshold is not None and span is not None and threshold <= span[0]:
         store.LOWEST_THRESHOLD.set((letter, threshold))
 

@@ -20,6 +20,7 @@ from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.schema import NO_TRACK
 from ui.confined.reading import find_confined, read_confined
 from ui.session import store
+from ui.session.workspace import Caching
 from ui.shell.messages import error_text
 from ui.widgets.text import plain
 
@@ -78,7 +79,9 @@ def check_files(
         of_both = (key(), objects, None if known is None else truth)
     except NvcoreError as error:
         return FileCheck(trouble=error_text(error))
-    return store.FILE_CHECKS.get().cached(
+    checks = store.FILE_CHECKS.setdefault(Caching())
+    assert checks is not None
+    return checks.cached(
         "files", of_both, lambda: _check(source, role, folder, known, objects), most=MOST_KEPT
     )
 

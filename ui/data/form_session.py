@@ -15,7 +15,7 @@ import streamlit as st
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.file_kinds import unpacked_name
-from nvcore.inputs.changes import live_session, stated_by_recording
+from nvcore.inputs.changes import stated_by_recording
 from nvcore.inputs.facts import with_paths_in, without_files_of_run
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
@@ -255,8 +255,7 @@ class Form:
     def _changed(self, opened: Opened) -> Session:
         """Return the open session with what was chosen."""
         self._refuse_wrong()
-        x, y = state.systems()
-        session = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
+        session = state.live_session()
         names, folder = opened.whole.recordings["name"].tolist(), session.folder
         added = []
         if not self.truth.chosen.is_empty:

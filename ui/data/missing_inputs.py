@@ -290,7 +290,7 @@ def check_pictures(path: Path) -> PictureCheck:
         status = path.stat()
     except OSError as error:
         return PictureCheck(trouble=f"cannot be opened ({error.strerror})")
-    checks = store.PICTURE_CHECKS.get()
+    checks = store.PICTURE_CHECKS.setdefault({})
     key = (path, status.st_mtime_ns, status.st_size)
     check = checks.pop(key, None) or _check_pictures(path)
     if not (check.trouble and path.is_dir()):

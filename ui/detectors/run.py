@@ -17,7 +17,6 @@ from nvcore.detectors.registry import DETECTORS
 from nvcore.detectors.run import Expectation, expect, run_detector
 from nvcore.detectors.writing import WrittenRun, write_detections
 from nvcore.errors import NvcoreError
-from nvcore.inputs.changes import live_session
 from nvcore.inputs.session import Session
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
@@ -271,9 +270,8 @@ def packed(written: WrittenRun) -> bytes:
 
 def _open(job: BackgroundJob[WrittenRun], written: WrittenRun) -> None:
     """Add the new system to what is open, as Y."""
-    opened, space, (x, y) = state.opened(), state.workspace(), state.systems()
-    live = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
-    session = with_system(live, opened.dataset, written, x=x)
+    opened, space, live = state.opened(), state.workspace(), state.live_session()
+    session = with_system(live, opened.dataset, written, x=state.systems()[0])
     ask_for_page("overview")
     is_moved = state.params() != state.session_params()
     before = live if is_moved else opened.session

@@ -154,7 +154,7 @@ def _draw_levels(spec: DetectorSpec, what: DetectorFacts, boxes: Detections) -> 
         help=plain(facts.meaning),
     )
     levels = Levels(threshold, overlap)
-    store.DETECTOR_LEVELS.get()[spec.text] = levels
+    store.DETECTOR_LEVELS.set({**store.DETECTOR_LEVELS.get(), spec.text: levels})
     return levels
 
 

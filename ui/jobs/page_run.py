@@ -10,13 +10,12 @@ from typing import Any, Generic
 import streamlit as st
 
 from nvcore.dataset import Dataset
-from nvcore.inputs.changes import live_session
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress
 from ui.jobs.background import BackgroundJob, JobState, Output
 from ui.jobs.progress import draw_progress
 from ui.session import state
-from ui.session.uploads import ANNOTATION_FOLDERS, count_folder, remove_folder
+from ui.session.uploads import ANNOTATION_FOLDERS, count_folder, remove_unused
 from ui.session.workspace import Workspace
 from ui.shell.messages import shown_error
 from ui.widgets.buttons import button, download
@@ -77,14 +76,11 @@ class PageRun(Generic[Output]):
         self.drop()
         space, session = state.workspace(), state.opened().session
         base = session.folder if is_uploaded(space, session) else space.folder
-        in_use = [session.folder / path for path in session.paths()]
-        for folder in base.glob(f"{self.folder}-*"):
-            is_run = folder.name.removeprefix(f"{self.folder}-").isdecimal()
-            if is_run and not any(path.is_relative_to(folder) for path in in_use):
-                remove_folder(space, folder)
-        with space.lock:
-            space.n_received += 1
-            folder = base / f"{self.folder}-{space.n_received}"
+        start = f"{self.folder}-"
+        every = base.glob(f"{start}*")
+        runs = (path for path in every if path.name.removeprefix(start).isdecimal())
+        remove_unused(space, runs)
+        folder = base / f"{self.folder}-{next(space.numbers)}"
         (folder / ANNOTATION_FOLDERS).mkdir(mode=0o700, parents=True)
         return folder
 
@@ -159,9 +155,7 @@ def named_in(session: Session, path: Path) -> str:
 
 def dataset_of(names: Collection[str]) -> Dataset:
     """Return these recordings of what is open, with the live session as settings."""
-    opened, (x, y) = state.opened(), state.systems()
-    session = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
-    dataset = opened.dataset.with_settings(session)
+    dataset = state.opened().dataset.with_settings(state.live_session())
     return dataset if {*names} == {*state.recording_names()} else dataset.only(names=names)
 
 

@@ -15,7 +15,7 @@ from nvcore.figures.venn import MOST_MARKS, venn_figure
 from nvcore.stages import ENCOUNTERS, SALIENT, SEVERITY
 from nvcore.tables.encounters.severity import weighed_encounters
 from ui.session import state, store
-from ui.shell.navigate import open_encounters, open_row
+from ui.shell.navigate import open_page, open_row
 from ui.widgets.buttons import button
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.table import draw_table
@@ -116,7 +116,7 @@ def draw_worst(result: Result) -> None:
         icon=":material/playlist_play:",
         help="Opens the page Encounters, the heaviest failure first.",
     ):
-        open_encounters(category=",".join(WORDS))
+        open_page("encounters", category=",".join(WORDS))
 
 
 def _ask_for_row(rows: list[int], row: int, _column: str) -> None:
@@ -124,4 +124,4 @@ def _ask_for_row(rows: list[int], row: int, _column: str) -> None:
 
 
 def _open(category: str) -> None:
-    open_encounters(category=category)
+    open_page("encounters", category=category)

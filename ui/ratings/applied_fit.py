@@ -100,7 +100,7 @@ def _others(fit_in_use: AppliedFit | None) -> list[AppliedFit]:
 
 def _set(values: dict[str, Any]) -> None:
     changes = {
-        name: live_params.height_start_px(name) if value is None else value
+        name: live_params.slider_start(name) if value is None else value
         for name, value in values.items()
     }
     state.set_params(**changes)

@@ -194,5 +194,5 @@ def _shown(name: str, value: Any) -> str:
     """Format the value of a parameter as in the sidebar."""
     words = SETTINGS[name].words
     if value is None:
-        value = live_params.height_start_px(name)
+        value = live_params.slider_start(name)
     return plain(f"{value:g}" if words is None else state.say(words[value]))

@@ -28,7 +28,7 @@ from ui.access.page import (
 )
 from ui.access.people import Person, end_log_in, is_same, key_of, person_of
 from ui.answers import PRIVATE, text_answer
-from ui.session.workspace import workspace_of_session
+from ui.session.lifetime import workspace_of_session
 from ui.settings.start import base_path
 from ui.streamlit_inside import login as inside_login
 from ui.streamlit_inside import server

@@ -23,7 +23,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from ui.answers import text_answer
 from ui.serving.life import is_shutting_down
-from ui.session.workspace import workspace_of_session
+from ui.session.lifetime import workspace_of_session
 from ui.settings.limits import MEBI, Limits
 from ui.streamlit_inside.server import METRICS, STREAM, UPLOAD
 from ui.streamlit_inside.sessions import held_bytes, run_again

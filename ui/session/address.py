@@ -120,19 +120,16 @@ def read_parameters(query: Mapping[str, str]) -> tuple[dict[str, float | str | N
 def _value(text: str, setting: Setting) -> float | str | None:
     if _can_clear(setting) and text == NO_VALUE:
         return None
-    return _finite(text) if setting.words is None else text
+    if setting.words is not None:
+        return text
+    if (value := finite_number(text)) is None:  # possible in a session, but no slider can show it
+        raise ValueError
+    return value
 
 
 def _can_clear(setting: Setting) -> bool:
     """Whether an address can say that it has no value, though what is open gives it one."""
     return bool(setting.unset) or setting.stage is THRESHOLD
-
-
-def _finite(text: str) -> float:
-    value = float(text)
-    if not math.isfinite(value):  # possible in a session, but no slider can show it
-        raise ValueError
-    return value
 
 
 def changed_parameters(live: Params, *starts: Params) -> dict[str, str]:

@@ -29,13 +29,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache, partial
 from pathlib import Path
-from typing import Final, Protocol
+from typing import TYPE_CHECKING, Final
 
 from filelock import FileLock, Timeout
 
 from nvcore.output.private import make_private
 from ui.settings.limits import limits_of_environment
 from ui.streamlit_inside.sessions import close_session, is_connected, running_session
+
+if TYPE_CHECKING:
+    from ui.session.workspace import Workspace
 
 GRACE_S: Final = 150.0
 """How long a browser may stay away.
@@ -60,18 +63,11 @@ _held: list[FileLock] = []
 """Locks of this process; the system releases them when it ends, however it ends."""
 
 
-class Closable(Protocol):
-    """A resource that is closed when its session ends."""
-
-    def close(self) -> None:
-        """Release the resource."""
-
-
 @dataclass
 class _Watched:
-    """A resource of a session, and when the session's browser was last connected."""
+    """Workspace of a session, and when the session's browser was last connected."""
 
-    what: weakref.ref[Closable]
+    space: weakref.ref[Workspace]
     is_alive: Callable[[], bool]
     session_id: str | None = None
     seen_s: float = field(default_factory=time.monotonic)
@@ -85,40 +81,40 @@ def close_sessions_on(loop: asyncio.AbstractEventLoop) -> None:
     _loops[:] = [loop]
 
 
-def end_with_session(what: Closable) -> None:
-    """Close a resource when the browser of the running session has gone, if there is a session."""
+def end_with_session(space: Workspace) -> None:
+    """Close a workspace when the browser of the running session has gone, if there is a session."""
     session_id = running_session()
     if session_id is None:
         return
-    watch(what, partial(is_connected, session_id), session_id=session_id)
+    watch(space, partial(is_connected, session_id), session_id=session_id)
     with _lock:
         if not _threads or not _threads[-1].is_alive():
             _threads[:] = [threading.Thread(target=_run, name="session-end", daemon=True)]
             _threads[0].start()
 
 
-def watch(what: Closable, is_alive: Callable[[], bool], *, session_id: str | None = None) -> None:
-    """Close a resource and end its session once `is_alive` was false for `GRACE_S`; see `sweep`."""
+def watch(space: Workspace, is_alive: Callable[[], bool], *, session_id: str | None = None) -> None:
+    """Close a workspace and end its session once `is_alive` was false for `GRACE_S`."""
     with _lock:
-        _watched.append(_Watched(weakref.ref(what), is_alive, session_id))
+        _watched.append(_Watched(weakref.ref(space), is_alive, session_id))
 
 
-def of_session(session_id: str) -> list[Closable]:
-    """Resources of this session."""
+def workspace_of_session(session_id: str) -> Workspace | None:
+    """Return the workspace of a Streamlit session, or None."""
     with _lock:
-        things = [entry.what() for entry in _watched if entry.session_id == session_id]
-    return [what for what in things if what is not None]
+        spaces = [entry.space() for entry in _watched if entry.session_id == session_id]
+    return next((space for space in spaces if space is not None), None)
 
 
-def is_in_use(what: Closable) -> bool:
-    """Whether the browser of a session that uses this resource is connected."""
+def is_in_use(space: Workspace) -> bool:
+    """Whether the browser of a session that uses this workspace is connected."""
     with _lock:
         watched = list(_watched)
-    return any(entry.what() is what and entry.is_alive() for entry in watched)
+    return any(entry.space() is space and entry.is_alive() for entry in watched)
 
 
 def sweep(now_s: float) -> None:
-    """Close resources whose browser has been gone too long; `now_s` is from ``time.monotonic``.
+    """Close workspaces whose browser has been gone too long; `now_s` is from ``time.monotonic``.
 
     Of more than the server takes visitors, those that have been away longest end at once: who opens
     and closes tabs all the time should not fill the memory.
@@ -127,30 +123,25 @@ def sweep(now_s: float) -> None:
         watched = list(_watched)
     away = []
     for entry in watched:
-        if entry.what() is not None and entry.is_alive():
+        if entry.space() is not None and entry.is_alive():
             entry.seen_s = now_s
         else:
             away.append(entry)
     away.sort(key=lambda entry: entry.seen_s)
     n_too_many = len(away) - limits_of_environment().max_visitors
     for number, entry in enumerate(away):
-        what = entry.what()
-        if what is None or number < n_too_many or now_s - entry.seen_s > GRACE_S:
+        space = entry.space()
+        if space is None or number < n_too_many or now_s - entry.seen_s > GRACE_S:
             with _lock:
                 _watched.remove(entry)  # first: what cannot be closed is not tried again
-                is_last = not any(other.what() is what for other in _watched)
-            if is_last:  # another session may have taken it over
-                _close(what)
+                is_last = not any(other.space() is space for other in _watched)
+            if is_last and space is not None:  # another session may have taken it over
+                try:
+                    space.close()
+                except Exception as error:  # noqa: BLE001  # the others are closed all the same
+                    _LOG.warning("what a session left could not be removed: %s", error)
             if _loops and entry.session_id is not None and not entry.is_alive():
                 close_session(entry.session_id, _loops[0])
-
-
-def _close(what: Closable | None) -> None:
-    try:
-        if what is not None:
-            what.close()
-    except Exception as error:  # noqa: BLE001  # the others are closed all the same
-        _LOG.warning("what a session left could not be removed: %s", error)
 
 
 def _run() -> None:

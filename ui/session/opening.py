@@ -20,7 +20,6 @@ from nvcore.dataset import Dataset
 from nvcore.errors import InputError, SessionError
 from nvcore.file_kinds import composed
 from nvcore.findings import Finding
-from nvcore.inputs.changes import live_session
 from nvcore.inputs.facts import FRAME_RANGE, is_frame_range, with_paths_in
 from nvcore.inputs.files import NAME_PARTS
 from nvcore.inputs.session import (
@@ -31,7 +30,6 @@ from nvcore.inputs.session import (
     Source,
     SystemSource,
 )
-from nvcore.params import Params
 from ui.access.files import safe_name
 from ui.confined.reading import (
     load_confined,
@@ -323,23 +321,6 @@ def corrected(session: Session, dataset: Dataset, finding: Finding) -> Session:
         offset_px=(values.get("offset_x_px", x), values.get("offset_y_px", y)),
     )
     return replace(session, systems=tuple(systems))
-
-
-def with_systems(
-    session: Session, dataset: Dataset, params: Params, *, x: str, y: str | None
-) -> tuple[Session, dict[str, float | None]]:
-    """The session with these two as X and Y, and their thresholds.
-
-    A threshold belongs to its system: the live ones stay with the systems that were X and Y.
-    """
-    old_x, old_y = dataset.compared()
-    live = live_session(session, dataset, params, x=old_x or dataset.systems[0], y=old_y)
-    own: dict[str | None, float | None] = {
-        name: system.threshold for name, system in zip(dataset.systems, live.systems, strict=True)
-    }
-    settings = replace(session.params, threshold_x=None, threshold_y=None)
-    changed = replace(live, params=settings, x=x, y=y)
-    return changed, {"threshold_x": own.get(x), "threshold_y": own.get(y)}
 
 
 def public_text(text: object, folders: Iterable[Path]) -> str:

@@ -2,19 +2,10 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import pandas as pd
 import streamlit as st
 
-from nvcore.auditing import (
-    audit_inputs,
-    audit_pair,
-    audit_system,
-    audit_view,
-    ranked,
-    threshold_of,
-)
+from nvcore.auditing import audit_in_parts
 from nvcore.auditing.pictures import audit_pictures
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
@@ -25,7 +16,7 @@ from nvcore.evidence.units import Units, find_units
 from nvcore.findings import Finding, worst_first
 from nvcore.params import Params
 from nvcore.protocols import Protocol
-from nvcore.stages import MATCH, PROXIMITY, THRESHOLD
+from nvcore.stages import MATCH
 from ui.session import state
 from ui.session.state import Cached
 
@@ -97,28 +88,9 @@ def input_findings() -> tuple[Finding, ...]:
 def cached_findings(
     cached: Cached, dataset: Dataset, params: Params, x: str, y: str | None
 ) -> tuple[Finding, ...]:
-    """The findings from a cache: `state.cached`, or the one that visitors share.
-
-    As `nvcore.auditing.audit`, in parts: another threshold audits no file again.
-    """
+    """The findings from a cache: `state.cached`, or the one that visitors share."""
     relevant = params.only_for_audit()
-
-    def make() -> tuple[Finding, ...]:
-        findings = [*cached("audit_inputs", (), lambda: audit_inputs(dataset))]
-        for name in dataset.systems:
-            threshold = threshold_of(name, (x, y), relevant)
-            findings += cached(
-                "audit_system",
-                (name, threshold),
-                partial(audit_system, dataset, name, threshold),
-                most=2 * len(dataset.systems),
-            )
-        of_pair = relevant.only_for(THRESHOLD, MATCH, PROXIMITY)
-        findings += cached(
-            "audit_pair", (of_pair, x, y), lambda: audit_pair(dataset, of_pair, x=x, y=y)
-        )
-        findings += audit_view(dataset, relevant)
-        return ranked(dataset, findings)
-
-    findings: tuple[Finding, ...] = cached("findings", (relevant, x, y), make)
+    findings: tuple[Finding, ...] = cached(
+        "findings", (relevant, x, y), lambda: audit_in_parts(dataset, relevant, x, y, cached)
+    )
     return findings

@@ -11,7 +11,7 @@ has one.
     GET /nv/TOKEN/boxes/RECORDING/CHUNK?v=           boxes of 1024 rows (`pack_boxes`)
     GET /nv/TOKEN/comparison?v=                      what the browser compares X and Y with itself
     GET /nv/TOKEN/reasons/RECORDING/ROW              what each box of a row counts and costs, why
-    PUT /nv/TOKEN/upload/SLOT?name=                  one file of pictures, or a video
+    PUT /nv/TOKEN/upload/pictures?name=              one file of pictures, or a video
 
 and those of the subjects, in their rooms of the dashboard.
 """
@@ -27,7 +27,6 @@ from itertools import chain
 from pathlib import Path
 from typing import Final
 
-import numpy as np
 import plotly
 from anyio.to_thread import run_sync
 from starlette.concurrency import run_in_threadpool
@@ -35,22 +34,24 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, RedirectResponse, Response
 from starlette.routing import Route
 
+from nvcore.comparison import Result
 from nvcore.errors import MediaError
 from nvcore.overlay.explain import explain_boxes
-from nvcore.pictures.base import Picture, Pictures
+from nvcore.pictures.base import Picture
+from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg, stretch
 from ui.access.origins import is_own_origin
 from ui.access.people import is_same, key_of
 from ui.answers import PRIVATE, text_answer
 from ui.session.address import finite_number
 from ui.session.packed_comparison import can_pack, pack_boxes, pack_comparison, version_of
-from ui.session.uploads import SLOTS, UploadError, receive
-from ui.session.workspace import Workspace, workspace_of
+from ui.session.uploads import UploadError, receive
+from ui.session.workspace import PICTURES, Workspace, workspace_of
 from ui.settings.start import base_path
 from ui.subjects import contributed
 
 Answer = Callable[[Request], Awaitable[Response]]
-Handler = Callable[[Request, Workspace | None], Awaitable[Response]]
+Handler = Callable[[Request, Workspace], Awaitable[Response]]
 MOST_DIGITS: Final = 12
 _GUARDS: Final = {
     "X-Content-Type-Options": "nosniff",
@@ -61,6 +62,8 @@ CACHED: Final = {"Cache-Control": "private, max-age=3600", **_GUARDS}
 NOT_CACHED: Final = {**PRIVATE, **_GUARDS}
 ROWS_PER_CHUNK: Final = 1024
 QUALITY: Final = 85
+NOT_COMPARED: Final = "nothing is compared yet"
+NO_FRAME: Final = "there is no such recording or frame"
 PLOTLY: Final = f"/nv/plotly-{plotly.__version__}.js"
 """Address of the library that draws the figures."""
 
@@ -88,7 +91,7 @@ def index_in(request: Request, name: str) -> int:
 
 
 def for_owner(*, sent: str = "") -> Callable[[Handler], Answer]:
-    """Decorator of routes for a workspace's owner; they receive it, None if the session has ended.
+    """Decorator of routes for a workspace's owner, which answer 404 once the session has ended.
 
     Parameters
     ----------
@@ -99,11 +102,13 @@ def for_owner(*, sent: str = "") -> Callable[[Handler], Answer]:
     def guard(handle: Handler) -> Answer:
         @wraps(handle)
         async def route(request: Request) -> Response:
-            if sent and not is_own_page(request):
+            if sent and not _is_own_page(request):
                 return say(HTTPStatus.FORBIDDEN, f"{sent} come from the app's own page only")
-            space = workspace_of(request.path_params["token"])
-            if not is_owner(request, space):
+            key, space = key_of(request.cookies), workspace_of(request.path_params["token"])
+            if key is None or (space is not None and not is_same(space.owner, key)):
                 return say(HTTPStatus.FORBIDDEN, "log in as the one whose session this is")
+            if space is None:
+                return not_found("the session has ended; load the page again")
             return await handle(request, space)
 
         return route
@@ -111,13 +116,7 @@ def for_owner(*, sent: str = "") -> Callable[[Handler], Answer]:
     return guard
 
 
-def is_owner(request: Request, space: Workspace | None) -> bool:
-    """Whether the sender may use the workspace; true if there is none."""
-    key = key_of(request.cookies)
-    return key is not None and (space is None or is_same(space.owner, key))
-
-
-def is_own_page(request: Request) -> bool:
+def _is_own_page(request: Request) -> bool:
     """Whether the request comes from our own page; other programs send no origin."""
     if request.headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
         return False
@@ -135,29 +134,20 @@ def not_found(text: str) -> Response:
 
 
 @for_owner()
-async def frame(request: Request, space: Workspace | None) -> Response:
+async def frame(request: Request, space: Workspace) -> Response:
     """Picture of a row of a recording, its grey values stretched between two percentiles."""
     lo, hi = _percentile(request, "lo", 0.0), _percentile(request, "hi", 100.0)
     if lo is None or hi is None or lo >= hi:
         return say(HTTPStatus.BAD_REQUEST, "lo and hi: expected 0 <= lo < hi <= 100")
-    if space is None:
-        return not_found("the session has ended; load the page again")
-    recording, row = index_in(request, "recording"), index_in(request, "row")
-    own = space.pictures
-    rows, pictures = own.indices.get(recording), own.sources.get(recording)
-    return await _picture(space, pictures, rows, row, lambda read: stretch(read, lo, hi))
+    return await _picture(request, space, space.pictures, lambda read: stretch(read, lo, hi))
 
 
 @for_owner()
-async def visible(request: Request, space: Workspace | None) -> Response:
+async def visible(request: Request, space: Workspace) -> Response:
     """Visible-light picture of a row; with `seen_s`, as eyes see it that long after a change."""
     seen_s = _number(request, "seen_s", math.inf)
     if seen_s is None or seen_s < 0:
         return say(HTTPStatus.BAD_REQUEST, "seen_s: expected seconds, 0 or more")
-    if space is None:
-        return not_found("the session has ended; load the page again")
-    recording, row = index_in(request, "recording"), index_in(request, "row")
-    rows, pictures = space.visible.indices.get(recording), space.visible.sources.get(recording)
 
     def show(read: Picture) -> Picture:
         picture = stretch(read)
@@ -165,17 +155,15 @@ async def visible(request: Request, space: Workspace | None) -> Response:
             picture = sight.show(picture, seen_s)
         return picture
 
-    return await _picture(space, pictures, rows, row, show)
+    return await _picture(request, space, space.visible, show)
 
 
 async def _picture(
-    space: Workspace,
-    pictures: Pictures | None,
-    rows: np.ndarray | None,
-    row: int,
-    show: Callable[[Picture], Picture],
+    request: Request, space: Workspace, own: RecordingPictures, show: Callable[[Picture], Picture]
 ) -> Response:
-    """The picture that shows a row, as JPEG."""
+    """The picture that shows a row of a recording, as JPEG."""
+    recording, row = index_in(request, "recording"), index_in(request, "row")
+    rows, pictures = own.indices.get(recording), own.sources.get(recording)
     if rows is None or pictures is None or row >= len(rows) or rows[row] < 0:
         return not_found("no picture for this frame")
     index = int(rows[row])
@@ -190,31 +178,25 @@ async def _picture(
 
 
 @for_owner()
-async def boxes(request: Request, space: Workspace | None) -> Response:
+async def boxes(request: Request, space: Workspace) -> Response:
     """Boxes of a stretch of rows of a recording, as `pack_boxes` packs them."""
-    compared = None if space is None else space.compared
-    if compared is None:
-        return not_found("the session has ended, or nothing is compared yet")
-    recording, chunk = index_in(request, "recording"), index_in(request, "chunk")
-    result = compared.result
-    first_rows = result.dataset.frame_columns.first
-    if recording >= len(first_rows) - 1:
-        return not_found("there is no such recording")
-    begin, end = int(first_rows[recording]), int(first_rows[recording + 1])
-    start = begin + chunk * ROWS_PER_CHUNK
-    if start >= end:
-        return not_found("there are no such frames")
+    if (compared := space.compared) is None:
+        return not_found(NOT_COMPARED)
+    result, first_row = compared.result, index_in(request, "chunk") * ROWS_PER_CHUNK
+    frames = _frames_from(request, result, first_row)
+    if not frames:
+        return not_found(NO_FRAME)
     # boxes of a newer result than the address says are shown, but not cached under that address
     headers = CACHED if request.query_params.get("v") == compared.version else NOT_CACHED
-    content = await run_in_threadpool(pack_boxes, result, start, min(start + ROWS_PER_CHUNK, end))
+    content = await run_in_threadpool(
+        pack_boxes, result, frames.start, frames[:ROWS_PER_CHUNK].stop
+    )
     return Response(content, media_type="application/octet-stream", headers=headers)
 
 
 @for_owner()
-async def comparison(request: Request, space: Workspace | None) -> Response:
+async def comparison(request: Request, space: Workspace) -> Response:
     """The columns of `pack_comparison`, with which the browser follows a slider."""
-    if space is None:
-        return not_found("the session has ended; load the page again")
     compared, version = space.compared, request.query_params.get("v")
     if compared is None or not can_pack(compared.result) or version != version_of(compared.result):
         # another comparison is open by now, or is being opened, of which the page will tell
@@ -224,33 +206,33 @@ async def comparison(request: Request, space: Workspace | None) -> Response:
 
 
 @for_owner()
-async def reasons(request: Request, space: Workspace | None) -> Response:
+async def reasons(request: Request, space: Workspace) -> Response:
     """What each box of a row counts and costs with the newest settings, in words."""
-    compared = None if space is None else space.compared
-    if compared is None:
-        return not_found("the session has ended, or nothing is compared yet")
-    recording, row = index_in(request, "recording"), index_in(request, "row")
-    first_rows = compared.result.dataset.frame_columns.first
-    if recording >= len(first_rows) - 1:
-        return not_found("there is no such recording")
-    row_in_all = int(first_rows[recording]) + row
-    if row_in_all >= int(first_rows[recording + 1]):
-        return not_found("there is no such frame")
-    boxes = await run_in_threadpool(explain_boxes, compared.result, row_in_all)
+    if (compared := space.compared) is None:
+        return not_found(NOT_COMPARED)
+    frames = _frames_from(request, compared.result, index_in(request, "row"))
+    if not frames:
+        return not_found(NO_FRAME)
+    boxes = await run_in_threadpool(explain_boxes, compared.result, frames.start)
     return JSONResponse([asdict(box) for box in boxes], headers=NOT_CACHED)
 
 
+def _frames_from(request: Request, result: Result, row: int) -> range:
+    """Rows in the frames table from a row of the recording to its end; empty: there are none."""
+    recording, first = index_in(request, "recording"), result.dataset.frame_columns.first
+    if recording >= len(first) - 1:
+        return range(0)
+    return range(int(first[recording]) + row, int(first[recording + 1]))
+
+
 @for_owner(sent="uploads")
-async def upload(request: Request, space: Workspace | None) -> Response:
+async def upload(request: Request, space: Workspace) -> Response:
     """Receive one picture file or video into the session's folder as a stream."""
-    if space is None or request.path_params["slot"] not in SLOTS:
-        return not_found("the session has ended; load the page again")
     stated = request.headers.get("content-length", "")
     n_bytes = int(stated) if stated.isascii() and stated.isdigit() and len(stated) < 19 else None
     try:
         stored = await receive(
             space,
-            request.path_params["slot"],
             request.query_params.get("name", ""),
             request.stream(),
             n_bytes=n_bytes,
@@ -284,7 +266,7 @@ OWN: Final = (
     Place("boxes/{recording}/{chunk}", boxes),
     Place("comparison", comparison),
     Place("reasons/{recording}/{row}", reasons),
-    Place("upload/{slot}", upload, "PUT"),
+    Place(f"upload/{PICTURES}", upload, "PUT"),
 )
 
 

@@ -106,13 +106,15 @@ def shared_sample(path: Path, *, label: str) -> SharedSample:
         return _samples[path]
 
 
+def _openings() -> list[Opened]:
+    with _lock:
+        return [sample.opened for sample in _samples.values()]
+
+
 def shared_opening(session: Session, label: str) -> Opened | None:
     """The shared comparison with that session and label; None if it is a visitor's own."""
-    with _lock:
-        for sample in _samples.values():
-            if sample.opened.session is session and sample.opened.label == label:
-                return sample.opened
-    return None
+    shared = (one for one in _openings() if one.session is session and one.label == label)
+    return next(shared, None)
 
 
 def sample_of(opened: Opened) -> SharedSample | None:
@@ -123,12 +125,9 @@ def sample_of(opened: Opened) -> SharedSample | None:
 
 def as_shared(opened: Opened) -> Opened:
     """The shared comparison if this equals it as opened; else the argument."""
-    with _lock:
-        starts = [sample.opened for sample in _samples.values()]
-    for start in starts:
-        if start.whole.frames is opened.whole.frames and start.session == opened.session:
-            return start
-    return opened
+    frames, session = opened.whole.frames, opened.session
+    shared = (one for one in _openings() if one.whole.frames is frames and one.session == session)
+    return next(shared, opened)
 
 
 def shown_in(space: Workspace, opened: Opened) -> Opened:

@@ -13,7 +13,6 @@ from typing import Any, Final
 import streamlit as st
 
 from ui.session import address, state, store
-from ui.session.opening import with_systems
 
 _NONE: Final = object()
 
@@ -43,12 +42,12 @@ def begin_run() -> None:
 
 def _follow_link() -> None:
     """Take systems, recording and frame from the address with which the session was opened."""
-    get = st.query_params.get
-    session, dataset = state.opened().session, state.opened().dataset
-    pair, wrong_systems = address.read_systems(get("x"), get("y"), dataset.systems)
+    query = st.query_params.to_dict()
+    get = query.get
+    systems = state.opened().dataset.systems
+    pair, wrong_systems = address.read_systems(get("x"), get("y"), systems)
     if pair is not None and pair != state.systems():
-        x, y = pair
-        state.compare_as(with_systems(session, dataset, state.params(), x=x, y=y)[0])
+        state.compare_systems(*pair)
     session, every = state.opened().session, state.opened().whole.recordings
     listed = every[every["name"].isin(session.only)] if session.only else every
     tags, wrong_tags = address.read_tags(get("tags"), listed["tags"])
@@ -59,11 +58,10 @@ def _follow_link() -> None:
         state.set_operating_point(point)
     names, numbers = state.recording_names(), state.frame_numbers
     place, wrong = address.read_place(get("recording"), get("frame"), names, numbers)
-    query = st.query_params.to_dict()
     store.PAGE_LINK.set(query)
     values, impossible = address.read_parameters(query)
-    for letter, name in zip("xy", state.systems(), strict=True):
-        span = None if name is None else state.score_span(name)
+    for letter in "xy":
+        span = state.span_of(letter)
         if span is not None and values.get(f"threshold_{letter}", span) is None:
             values[f"threshold_{letter}"] = span[0]  # the slider's left end: every detection counts
     store.NEW_PARAMS.set(dict(values))

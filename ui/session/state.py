@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, TypeVar
@@ -16,6 +17,7 @@ from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import span_of_scores
 from nvcore.evidence.operating_points import at_operating_point
+from nvcore.inputs.changes import live_session as with_live
 from nvcore.inputs.session import Session
 from nvcore.notes import Note
 from nvcore.palette import Scheme, Shade, scheme_for
@@ -173,8 +175,7 @@ def threshold_of(letter: str) -> float | None:
 
 def set_threshold(letter: str, threshold: float | None) -> None:
     """Move the threshold slider of X or Y (None: to its left end, where every score counts)."""
-    name = systems()["xy".index(letter)]
-    span = None if name is None else score_span(name)
+    span = span_of(letter)
     if span is not None:
         value = span[0] if threshold is None else max(threshold, span[0])
         set_params(**{f"threshold_{letter}": value})
@@ -204,6 +205,12 @@ def score_span(system: str) -> tuple[float, float] | None:
     """Return the lowest and highest score of a system, or None if they do not differ."""
     dataset = opened().dataset
     return cached("score_span", system, lambda: span_of_scores(dataset, system), most=20)
+
+
+def span_of(letter: str) -> tuple[float, float] | None:
+    """Return the lowest and highest score of X or Y, or None if there is no threshold to move."""
+    system = systems()["xy".index(letter)]
+    return None if system is None else score_span(system)
 
 
 def session_params() -> Params:
@@ -250,9 +257,13 @@ def result_as_set() -> Result | None:
     x, y = systems()
     if y is None:
         return None
-    return kept_result(
-        cached, settings, x, y, lambda: _compare(dataset, settings, x, y, space.result)
-    )
+    previous = space.result
+
+    def make() -> Result:
+        with nullcontext() if previous is not None else st.spinner("Comparing the systems"):
+            return compare(dataset, settings, x=x, y=y, previous=previous)
+
+    return kept_result(cached, settings, x, y, make)
 
 
 def kept_result(
@@ -271,15 +282,7 @@ def operating_point() -> OperatingPoint:
 def set_operating_point(point: OperatingPoint) -> None:
     """Set whether unequal thresholds are compared as set or at equal false alarms."""
     if point != operating_point():
-        changed = replace(opened().session, operating_point=point)
-        workspace().opened = replace(opened(), session=changed)
-
-
-def _compare(dataset: Dataset, settings: Params, x: str, y: str, previous: Result | None) -> Result:
-    if previous is not None:
-        return compare(dataset, settings, x=x, y=y, previous=previous)
-    with st.spinner("Comparing the systems"):
-        return compare(dataset, settings, x=x, y=y)
+        _change_session(operating_point=point)
 
 
 def protocol() -> Protocol:
@@ -290,7 +293,29 @@ def protocol() -> Protocol:
 def set_protocol(protocol: Protocol) -> None:
     """Set the protocol of the detection measures."""
     if opened().session.protocol != protocol:
-        workspace().opened = replace(opened(), session=replace(opened().session, protocol=protocol))
+        _change_session(protocol=protocol)
+
+
+def _change_session(**fields: Any) -> None:
+    workspace().opened = replace(opened(), session=replace(opened().session, **fields))
+
+
+def live_session() -> Session:
+    """Return the open session with the live parameters as its settings."""
+    x, y = systems()
+    return with_live(opened().session, opened().dataset, params(), x=x, y=y)
+
+
+def compare_systems(x: str, y: str | None) -> None:
+    """Make these X and Y, and keep each system's threshold. The caller reruns the page."""
+    live = live_session()
+    thresholds = [system.threshold for system in live.systems]
+    threshold_by_name = dict(zip(opened().dataset.systems, thresholds, strict=True))
+    settings = replace(opened().session.params, threshold_x=None, threshold_y=None)
+    compare_as(replace(live, params=settings, x=x, y=y))
+    for letter, name in (("x", x), ("y", y)):
+        if name is not None:
+            set_threshold(letter, threshold_by_name[name])
 
 
 def compare_as(session: Session, whole: Dataset | None = None) -> None:

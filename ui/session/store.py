@@ -7,14 +7,12 @@ of the workspace instead (`ui.session.workspace.Workspace`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Hashable, Mapping
 from copy import copy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 import streamlit as st
-
-from ui.session.workspace import Caching
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,13 +20,12 @@ if TYPE_CHECKING:
     from nvcore.driver.comparison.judging import DriverRegion
     from nvcore.params import Params
     from nvcore.settings import OperatingPoint
-    from nvcore.stages import Stage
     from ui.data.form_session import Purpose
     from ui.data.missing_inputs import PictureCheck
     from ui.data.opening import Trouble
     from ui.data.upload import Uploaded
     from ui.detectors.trial import Levels
-    from ui.session.workspace import Workspace
+    from ui.session.workspace import Caching, Workspace
     from ui.shell.operating_point import Move
     from ui.shell.review import ListKey, Review
     from ui.widgets.drawing import Look
@@ -83,21 +80,6 @@ class Family(Generic[T]):
         """Return the entries that have a value."""
         keys = [str(key) for key in st.session_state]
         return [Entry(key, self.default) for key in keys if key.startswith(f"{self.name}_")]
-
-
-@dataclass(frozen=True)
-class Collection(Generic[T]):
-    """Mutable value kept for the session, created on first access."""
-
-    key: str
-    make: Callable[[], T]
-
-    def get(self) -> T:
-        """Return the value."""
-        if self.key not in st.session_state:
-            st.session_state[self.key] = self.make()
-        value: T = st.session_state[self.key]
-        return value
 
 
 def widget(key: str, default: Any = None) -> Entry[Any]:
@@ -177,16 +159,6 @@ TAB_IS_SETTLED = Entry("tab_is_settled", False)
 """True once it is known what the tab has open. It then claims nothing more."""
 TAB_CLAIMS = Entry("tab_claims", 0)
 """Number of times that the tab has claimed what it had open."""
-SIDEBAR_SHOWN: Entry[tuple[Stage, ...]] = Entry("sidebar_shown", ())
-"""Stages that the page shows."""
-SIDEBAR_OWN: Entry[tuple[Stage, ...]] = Entry("sidebar_own", ())
-"""Stages that the page is about."""
-SIDEBAR_CONTROLS: Entry[tuple[str, ...]] = Entry("sidebar_controls", ())
-"""Settings that the page itself has buttons for."""
-SIDEBAR_IDLE: Entry[frozenset[str]] = Entry("sidebar_idle", frozenset())
-"""Settings without effect on the page as it is now."""
-SIDEBAR_CHANGED: Entry[dict[str, Any]] = Entry("sidebar_changed", {})
-"""Settings that were changed, and their values before."""
 PRESET: Entry[tuple[int | None, str]] = Entry("preset_chosen", (None, ""))
 """Opening, and the preset chosen last for it."""
 OPERATING_POINT: Entry[OperatingPoint] = Entry("operating_point", "equal-alarms")
@@ -198,7 +170,7 @@ LIVE_ANSWERED = Entry("live_answered", 0)
 """Number of the last message of a slider being dragged."""
 REVIEW: Entry[Review | None] = Entry("review", None)
 """List that is viewed entry by entry."""
-ENTRIES_SEEN: Collection[dict[ListKey, frozenset[int]]] = Collection("entries_seen", dict)
+ENTRIES_SEEN: Entry[dict[ListKey, frozenset[int]]] = Entry("entries_seen", {})
 """Entries that were viewed, by list."""
 CLICKED: Entry[tuple[str, Any] | None] = Entry("clicked", None)
 """Widget clicked last, and the part clicked, until its page has asked or is drawn."""
@@ -229,8 +201,8 @@ OPENING_SHOWN: Entry[int | None] = Entry("data_opened_shown", None)
 """Opening that the page has reported."""
 OPENING_DRAWN: Family[int | None] = Family("data_drawn", None)
 """Opening that a part of the page has drawn."""
-FILE_CHECKS = Collection("file_checks", Caching)
-PICTURE_CHECKS: Collection[dict[Hashable, PictureCheck]] = Collection("picture_checks", dict)
+FILE_CHECKS: Entry[Caching | None] = Entry("file_checks", None)
+PICTURE_CHECKS: Entry[dict[Hashable, PictureCheck]] = Entry("picture_checks", {})
 PROPOSED_NAMES: Family[str] = Family("told", "")
 """Name that the files propose, by field."""
 ASKED_NAMES: Family[tuple[str, ...]] = Family("asked_names", ())
@@ -329,7 +301,7 @@ USUAL_DETECTOR: Entry[str | None] = Entry("detector_usual", None)
 """Detector that was chosen by default for what was open."""
 DETECTOR_BOX: Entry[tuple[object, int]] = Entry("detector_box", (None, 0))
 """Clicked box: detector and frame, and the box's row."""
-DETECTOR_LEVELS: Collection[dict[str, Levels]] = Collection("detector_levels", dict)
+DETECTOR_LEVELS: Entry[dict[str, Levels]] = Entry("detector_levels", {})
 """Threshold and overlap by detector."""
 RATINGS_PART: Entry[Literal["results", "session", "groups"] | None] = Entry("ratings_part", None)
 RATING_ALERTS: Entry[Literal["no", "these", "file"]] = Entry("rating_alerts_from", "no")

@@ -33,8 +33,6 @@ from ui.access.files import free_name, safe_name
 from ui.session.workspace import PICTURES, Kind, Stored, Workspace, used_by_all
 from ui.settings.limits import MEBI, limits_of_environment
 
-SLOTS: Final = frozenset({PICTURES})
-"""What the upload route takes; annotations come with a form."""
 MAX_FILE_BYTES: Final = 4 << 30
 """One file of pictures."""
 MAX_SESSION_BYTES: Final = 8 << 30
@@ -83,14 +81,9 @@ def kind_of(head: bytes) -> Kind | None:
 
 
 async def receive(
-    space: Workspace,
-    slot: str,
-    name: str,
-    content: AsyncIterable[bytes],
-    *,
-    n_bytes: int | None = None,
+    space: Workspace, name: str, content: AsyncIterable[bytes], *, n_bytes: int | None = None
 ) -> Stored:
-    """Stream a file into the session's folder, one chunk in memory at a time.
+    """Stream a file of pictures into the session's folder, one chunk in memory at a time.
 
     Parameters
     ----------
@@ -102,11 +95,9 @@ async def receive(
     UploadError
         If it is too large, there is no room, it is no picture, archive or video, or it breaks off.
     """
-    assert slot in SLOTS
     if n_bytes is not None:
         check_room(space, n_bytes)
-    folder = space.folder / PICTURES
-    part = _PartialFile(space, folder)
+    part = _PartialFile(space)
     try:
         pending = bytearray()
         async for chunk in content:
@@ -131,14 +122,12 @@ async def receive(
 class _PartialFile:
     """A file that is being written. `drop` removes it unless it was kept."""
 
-    def __init__(self, space: Workspace, folder: Path):
+    def __init__(self, space: Workspace):
         self.space = space
         self.n_bytes = 0
         self.kind: Kind | None = None
         self._file: IO[bytes] | None = None
-        with space.lock:
-            space.n_received += 1
-            self._path = folder / f".{space.n_received}.part"
+        self._path = space.folder / PICTURES / f".{next(space.numbers)}.part"
 
     def write(self, chunk: bytes) -> None:
         if self._file is None:
@@ -246,13 +235,8 @@ def _new_slot(space: Workspace, slot: str) -> Path:
     """Choose a folder below that of the form, and remove those of the slot that are not in use."""
     if space.form_folder is None:
         space.form_folder = new_upload(space)
-    in_use = _paths_in_use(space)
-    for before in space.form_folder.glob(f"[0-9]*-{slot}"):
-        if not any(path.is_relative_to(before) for path in in_use):
-            remove_folder(space, before)
-    with space.lock:
-        space.n_received += 1
-        return space.form_folder / f"{space.n_received}-{slot}"
+    remove_unused(space, space.form_folder.glob(f"[0-9]*-{slot}"))
+    return space.form_folder / f"{next(space.numbers)}-{slot}"
 
 
 def store_copy(space: Workspace, slot: str, file: Path, name: str) -> Path:
@@ -263,14 +247,12 @@ def store_copy(space: Workspace, slot: str, file: Path, name: str) -> Path:
     UploadError
         If there is no room.
     """
-    check_room(space, n_bytes := file.stat().st_size)
+    check_room(space, file.stat().st_size)
     own = _new_slot(space, slot)
-    with space.lock:
-        space.used_bytes += n_bytes
-        space.upload_bytes[own] = n_bytes
     target = own / ANNOTATION_FOLDERS / name
     target.parent.mkdir(parents=True)
     shutil.copyfile(file, target)
+    count_folder(space, own)
     return target
 
 
@@ -280,14 +262,9 @@ def new_upload(space: Workspace) -> Path:
     The folders of the open comparison and of the form stay.
     """
     open_folder = None if space.opened is None else space.opened.session.folder
-    in_use = _paths_in_use(space)
-    for folder in space.folder.glob("upload-*"):
-        is_kept = folder in (open_folder, space.form_folder)
-        if not is_kept and not any(path.is_relative_to(folder) for path in in_use):
-            remove_folder(space, folder)
-    with space.lock:
-        space.n_received += 1
-        folder = space.folder / f"upload-{space.n_received}"
+    kept = (open_folder, space.form_folder)
+    remove_unused(space, (path for path in space.folder.glob("upload-*") if path not in kept))
+    folder = space.folder / f"upload-{next(space.numbers)}"
     folder.mkdir(mode=0o700)
     return folder
 
@@ -303,9 +280,7 @@ def store_model(
         If there is no room, or `check` raises it: the one before then stays.
     """
     before = [*space.folder.glob(f"model-{kind}-*")]
-    with space.lock:
-        space.n_received += 1
-        folder = space.folder / f"model-{kind}-{space.n_received}"
+    folder = space.folder / f"model-{kind}-{next(space.numbers)}"
     folder.mkdir(mode=0o700)
     try:
         (name,) = store_annotations(space, folder, "model", [file])
@@ -316,6 +291,14 @@ def store_model(
     for old in before:
         remove_folder(space, old)
     return folder / name
+
+
+def remove_unused(space: Workspace, folders: Iterable[Path]) -> None:
+    """Remove folders of the session in which the open comparison uses no file."""
+    in_use = _paths_in_use(space)
+    for folder in folders:
+        if not any(path.is_relative_to(folder) for path in in_use):
+            remove_folder(space, folder)
 
 
 def remove_folder(space: Workspace, folder: Path) -> None:
@@ -335,11 +318,15 @@ def count_folder(space: Workspace, folder: Path) -> None:
         If there is no room for it.
     """
     n_bytes = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
-    n_more = n_bytes - space.upload_bytes.get(folder, 0)
+    n_more = n_bytes - space.upload_bytes[folder]
     check_room(space, n_more)
+    _count(space, folder, n_more)
+
+
+def _count(space: Workspace, folder: Path, n_bytes: int) -> None:
     with space.lock:
-        space.used_bytes += n_more
-        space.upload_bytes[folder] = n_bytes
+        space.used_bytes += n_bytes
+        space.upload_bytes[folder] += n_bytes
 
 
 def refuse_equal_names(files: Sequence[UploadedFile]) -> None:
@@ -391,23 +378,20 @@ def store_annotations(
         n_bytes = len(content)
         if path.suffix.lower() == ".zip" and kind_of(bytes(content[:HEAD_BYTES])) == "zip":
             path, n_bytes = _unpack(space, path)
-        with space.lock:
-            space.used_bytes += n_bytes
-            own = folder / slot
-            space.upload_bytes[own] = space.upload_bytes.get(own, 0) + n_bytes
+        _count(space, folder / slot, n_bytes)
         paths.append(path)
     return tuple(path.relative_to(folder).as_posix() for path in paths)
 
 
 def _unpack(space: Workspace, packed: Path) -> tuple[Path, int]:
     """Replace an archive by its content. Return the content's folder and its bytes."""
-    room = min(MAX_UNPACKED_BYTES, _room(space))
+    n_left = max(min(n_left for n_left, _, _ in _limits(space)), 0)
     folder = packed.with_name(
         free_name(packed.stem, (path.name for path in packed.parent.iterdir()))
     )
     folder.mkdir()
     try:
-        with Archive(packed, ArchiveLimits(total_bytes=room)) as archive:
+        with Archive(packed, ArchiveLimits(total_bytes=min(MAX_UNPACKED_BYTES, n_left))) as archive:
             paths = archive.unpack(folder)
     except MediaError:
         shutil.rmtree(folder, ignore_errors=True)
@@ -422,40 +406,36 @@ def _unpack(space: Workspace, packed: Path) -> tuple[Path, int]:
         folder = inside[0]
 
 
-def _room(space: Workspace) -> int:
-    """Bytes left in the quota of the session."""
-    on_disk = shutil.disk_usage(space.folder).free - SPARE_BYTES
-    of_all = limits_of_environment().max_disk_mb * MEBI - used_by_all()
-    return max(min(MAX_SESSION_BYTES - space.used_bytes, on_disk, of_all), 0)
-
-
-def check_room(space: Workspace, n_bytes: int, *, so_far: int = 0) -> None:
-    """Raise UploadError if more bytes exceed the quota, `so_far` of the file being written."""
-    is_full = used_by_all() + n_bytes > limits_of_environment().max_disk_mb * MEBI
-    has_disk = shutil.disk_usage(space.folder).free - n_bytes >= SPARE_BYTES
-    for is_beyond, message, status in (
+def _limits(space: Workspace, so_far: int = 0) -> tuple[tuple[int, str, HTTPStatus], ...]:
+    """Return the bytes left under each limit, and what to say where that is not enough."""
+    return (
         (
-            so_far + n_bytes > MAX_FILE_BYTES,
+            MAX_FILE_BYTES - so_far,
             f"The file is larger than {MAX_FILE_BYTES / 2**30:g} GiB; send the recordings one by "
             "one, or a shorter part.",
             HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
         ),
         (
-            space.used_bytes + n_bytes > MAX_SESSION_BYTES,
+            MAX_SESSION_BYTES - space.used_bytes,
             f"A session takes {MAX_SESSION_BYTES / 2**30:g} GiB in all; remove uploads that are "
             "no longer needed.",
             HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
         ),
         (
-            is_full,
+            limits_of_environment().max_disk_mb * MEBI - used_by_all(),
             "The server holds as many uploads as it may; try again later.",
             HTTPStatus.INSUFFICIENT_STORAGE,
         ),
         (
-            not has_disk,
+            shutil.disk_usage(space.folder).free - SPARE_BYTES,
             "There is no room left on the server's disk; tell the one who runs it.",
             HTTPStatus.INSUFFICIENT_STORAGE,
         ),
-    ):
-        if is_beyond:
+    )
+
+
+def check_room(space: Workspace, n_bytes: int, *, so_far: int = 0) -> None:
+    """Raise UploadError if more bytes exceed the quota, `so_far` of the file being written."""
+    for n_left, message, status in _limits(space, so_far):
+        if n_bytes > n_left:
             raise UploadError(message, status)

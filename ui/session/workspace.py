@@ -7,12 +7,13 @@ import secrets
 import shutil
 import threading
 import weakref
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import count
 from pathlib import Path, PurePosixPath
-from typing import Any, Final, Literal, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from anyio import CapacityLimiter
@@ -26,7 +27,10 @@ from nvcore.pictures.recordings import RecordingPictures
 from ui.access.people import owner_of_session
 from ui.confined.pictures import PictureProcess
 from ui.confined.process import MODELS, Process
-from ui.session.lifetime import end_with_session, new_folder, of_session
+from ui.session.lifetime import end_with_session, new_folder
+
+if TYPE_CHECKING:
+    from ui.jobs.background import BackgroundJob
 
 T = TypeVar("T")
 PICTURES: Final = "pictures"
@@ -162,25 +166,6 @@ class Compared(NamedTuple):
     version: str
 
 
-class Job(Protocol):
-    """Work in the background, of `ui.jobs.background`.
-
-    Attributes
-    ----------
-    outlasts
-        True if the output stays useful when the same recordings are read again.
-    """
-
-    outlasts: bool
-
-    @property
-    def is_busy(self) -> bool:
-        """Whether the job is still running."""
-
-    def discard(self) -> None:
-        """Stop the job and remove its output."""
-
-
 _workspaces: weakref.WeakValueDictionary[str, Workspace] = weakref.WeakValueDictionary()
 
 
@@ -214,8 +199,10 @@ class Workspace(Caching):
         Number of the form that is being filled in, see `Stored`.
     form_folder
         Folder of its annotations. None if it has none yet.
-    used_bytes, n_received
-        Size and number of all uploads.
+    used_bytes
+        Size of all uploads.
+    numbers
+        Numbers for the names of new folders.
     upload_bytes
         Share of `used_bytes` that belongs to annotations and outputs of runs, by folder.
     lock
@@ -254,11 +241,11 @@ class Workspace(Caching):
         self.form = 0
         self.form_folder: Path | None = None
         self.used_bytes = 0
-        self.upload_bytes: dict[Path, int] = {}
-        self.n_received = 0
+        self.upload_bytes = Counter[Path]()
+        self.numbers = count(1)
         self.refusal = ""
         self.notes: dict[str, Any] = {}
-        self._jobs: dict[str, Job] = {}
+        self._jobs: dict[str, BackgroundJob[Any]] = {}
         self._n_changes = 0
         self._remove = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
         _workspaces[self.token] = self
@@ -300,7 +287,7 @@ class Workspace(Caching):
         """Whether any job is still running."""
         return any(job.is_busy for job in self._jobs.values())
 
-    def put_job(self, kind: str, job: Job) -> None:
+    def put_job(self, kind: str, job: BackgroundJob[Any]) -> None:
         """Keep the job until there is a newer one of its kind, or until `forget`."""
         self.drop_job(kind)
         self._jobs[kind] = job
@@ -380,12 +367,6 @@ class Workspace(Caching):
 def workspace_of(token: str) -> Workspace | None:
     """Return the workspace with that token, or None if its session has ended."""
     return _workspaces.get(token)
-
-
-def workspace_of_session(session_id: str) -> Workspace | None:
-    """Return the workspace of a Streamlit session, or None."""
-    spaces = (space for space in of_session(session_id) if isinstance(space, Workspace))
-    return next(spaces, None)
 
 
 def used_by_all() -> int:

@@ -10,7 +10,6 @@ import numpy as np
 from nvcore.errors import ParameterError
 from nvcore.metrics.proximity import in_use
 from nvcore.params import SETTINGS, Params
-from nvcore.params.presets import Preset
 from nvcore.stages import THRESHOLD, Setting
 from ui.session import settings, state, store
 
@@ -33,7 +32,11 @@ def read() -> str:
         params = Params(**values)
     except ParameterError as error:
         return str(error)
-    if _lacks_horizon(params):
+    if (
+        params.proximity == "horizon"
+        and params.horizon is None
+        and state.opened().dataset.recordings["horizon"].isna().any()
+    ):
         return "The recordings do not state the row of the horizon: type it above"
     store.PARAMS.set(params)
     return ""
@@ -45,13 +48,6 @@ def _read(name: str, setting: Setting) -> Any:
     return value_of(name) if setting.height_share is None else _chosen_height_px(name)
 
 
-def _lacks_horizon(params: Params) -> bool:
-    is_unknown = (
-        params.horizon is None and state.opened().dataset.recordings["horizon"].isna().any()
-    )
-    return params.proximity == "horizon" and bool(is_unknown)
-
-
 def value_of(name: str) -> Any:
     """Value of a setting as it was made, else that of the open session."""
     return settings.kept(name, getattr(state.session_params(), name))
@@ -60,6 +56,8 @@ def value_of(name: str) -> Any:
 def slider_start(name: str) -> float:
     """Where the slider of a parameter starts: the session's value, else what the data agree on."""
     value = getattr(state.session_params(), name)
+    if value is None and SETTINGS[name].height_share is not None:
+        return default_height_px(name)
     if value is None:
         own = np.unique(in_use(state.session_params(), name, state.opened().dataset.frame_columns))
         value = own[0] if len(own) == 1 else 0.0
@@ -81,12 +79,6 @@ def picture_height() -> float:
     return float(state.opened().dataset.recordings["height"].max())
 
 
-def height_start_px(name: str) -> float:
-    """Value at which the slider of the sigmoid's midpoint or spread starts, pixels."""
-    session_value: float | None = getattr(state.session_params(), name)
-    return default_height_px(name) if session_value is None else session_value
-
-
 def default_height_px(name: str) -> float:
     """The default of the sigmoid's midpoint or spread, pixels."""
     share = SETTINGS[name].height_share
@@ -99,7 +91,7 @@ def _chosen_height_px(name: str) -> float | None:
     widget_value: float | None = value_of(name)
     if widget_value is None:
         return session_value
-    untouched = session_value is None and abs(widget_value - height_start_px(name)) < KEPT_NUMBERS
+    untouched = session_value is None and abs(widget_value - slider_start(name)) < KEPT_NUMBERS
     return None if untouched else widget_value
 
 
@@ -108,8 +100,7 @@ def threshold_scale(letter: str) -> tuple[float, float, float] | None:
 
     Round values lie on its steps.
     """
-    name = state.systems()[0 if letter == "x" else 1]
-    span = None if name is None else state.score_span(name)
+    span = state.span_of(letter)
     if span is None:
         return None
     width = span[1] - span[0]
@@ -120,8 +111,7 @@ def threshold_scale(letter: str) -> tuple[float, float, float] | None:
 def counts_all(letter: str) -> bool:
     """Whether every detection of X or Y reaches the live threshold."""
     threshold = state.threshold_of(letter)
-    system = state.systems()["xy".index(letter)]
-    span = None if system is None else state.score_span(system)
+    span = state.span_of(letter)
     return threshold is None or (span is not None and threshold <= span[0])
 
 
@@ -131,8 +121,7 @@ def _threshold(name: str) -> float | None:
     Where no slider can be drawn the session's own threshold holds, not one that was set for
     another system before.
     """
-    system = state.systems()[0 if name == "threshold_x" else 1]
-    span = None if system is None else state.score_span(system)
+    span = state.span_of(name[-1])
     own: float | None = getattr(state.session_params(), name)
     if span is None:
         return own
@@ -140,12 +129,3 @@ def _threshold(name: str) -> float | None:
     if value is None or value > span[0]:
         return value
     return own if own is not None and own <= span[0] else None  # all count: nothing has changed
-
-
-def set_preset(preset: Preset) -> None:
-    """Give the parameters the values of a preset in the next run."""
-    values = preset.values(picture_height())
-    for name, value in values.items():
-        if value is None and SETTINGS[name].height_share is not None:
-            values[name] = default_height_px(name)
-    state.set_params(**values)

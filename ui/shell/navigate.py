@@ -25,12 +25,6 @@ def open_row(row: int) -> NoReturn:
     open_frame(*state.place_of(row))
 
 
-def open_encounters(**address: str) -> NoReturn:
-    """Show the Encounters page as by these entries of its address; without any, the heaviest."""
-    store.PAGE_LINK.set(address)
-    open_page("encounters")
-
-
 def ask_for_page(name: str) -> None:
     """Go to a page in the next run: for buttons that are not drawn again."""
     store.NEXT_PAGE.set(name)
@@ -43,6 +37,8 @@ def follow_wish() -> None:
         open_page(name)
 
 
-def open_page(name: str) -> NoReturn:
-    """Go to a page; recording, frame and parameters stay."""
+def open_page(name: str, **address: str) -> NoReturn:
+    """Go to a page, as by these entries of its address; recording, frame and parameters stay."""
+    if address:
+        store.PAGE_LINK.set(address)
     st.switch_page(str(PAGES / f"{name}.py"))

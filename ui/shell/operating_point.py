@@ -61,10 +61,9 @@ def points(result: Result) -> tuple[OperatingPoint, OperatingPoint]:
 
 def why_fixed(letter: str) -> str:
     """Return why the threshold of X or Y cannot be moved, or "" if it can."""
-    name = state.systems()["xy".index(letter)]
-    if name is None:
+    if state.systems()["xy".index(letter)] is None:
         return "There is no second system."
-    if state.score_span(name) is None:
+    if state.span_of(letter) is None:
         return f"{letter.upper()} has no scores that differ: there is no threshold to move."
     return ""
 

@@ -16,8 +16,6 @@ from nvcore.stages import (
     SALIENCY,
     SEVERITY,
     SIMILARITY,
-    Stage,
-    shown_results,
 )
 from nvcore.subjects import contributed as results_of_subjects
 from nvcore.subjects import in_place
@@ -76,79 +74,43 @@ SECTIONS: Final = {
 """Sections of the navigation, with the script and the title of each page."""
 START: Final = "overview"
 """The page that the app opens on."""
-_OF: Final = {page.key: page for page in _PAGES}
-SHOWN: Final = {page.key: page.shown for page in _PAGES if page.shown is not None}
-OWN: Final = {page.key: page.own for page in _PAGES}
-FOLDED: Final = tuple(page.key for page in _PAGES if page.is_folded)
+PAGE_OF: Final = {page.key: page for page in _PAGES}
+"""The pages by key."""
 
 
-def all_pages() -> dict[str, list[StreamlitPage]]:
-    """Return the pages by section, as ``st.navigation`` expects them."""
+def all_pages() -> dict[str, StreamlitPage]:
+    """Return the pages by key, for ``st.navigation``."""
     return {
-        section: [
-            st.Page(
-                PAGES / (page.script or f"{page.key}.py"),
-                title=page.title,
-                default=page.key == START,
-            )
-            for page in _PAGES
-            if page.section == section
-        ]
-        for section in SECTIONS
+        page.key: st.Page(
+            PAGES / (page.script or f"{page.key}.py"),
+            title=page.title,
+            url_path=page.key,
+            default=page.key == START,
+        )
+        for page in _PAGES
     }
 
 
-def shown_on(page: StreamlitPage) -> tuple[Stage, ...]:
-    """Return the stages of the comparison whose results the page shows."""
-    here = _OF.get(page.url_path or START)
-    if here is not None and here.lacks and here.lacks():
-        return ()
-    return SHOWN.get(page.url_path or START, shown_results())
+def page_of(current: StreamlitPage) -> Page:
+    """Return the description of a page; Streamlit gives the first one no address."""
+    return PAGE_OF[current.url_path or START]
 
 
-def own_of(page: StreamlitPage) -> tuple[Stage, ...]:
-    """Return the stages whose settings come first in the page's sidebar."""
-    return OWN.get(page.url_path, ())
-
-
-def controls_of(page: StreamlitPage) -> tuple[str, ...]:
-    """Return the settings that the page has its own buttons for."""
-    here = _OF.get(page.url_path)
-    return here.controls if here else ()
-
-
-def idle_on(page: StreamlitPage) -> frozenset[str]:
-    """Return settings that do not affect the page in its current state.
-
-    Other settings may have no effect because the page shows no result of their stage.
-    """
-    here = _OF.get(page.url_path)
-    return here.idle() if here and here.idle else frozenset()
-
-
-def is_folded_on(page: StreamlitPage, shown: tuple[Stage, ...]) -> bool:
-    """Whether the sidebar folds the settings away, as they hardly affect the page."""
-    return page.url_path in FOLDED or not shown
-
-
-def draw_bar(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> None:
+def draw_bar(links: dict[str, StreamlitPage], here: Page) -> None:
     """Draw the navigation in one row: pages, groups of pages that unfold, and icons.
 
     What the comparison has no data for stands last in a group, with what it would need.
     """
-    links = _links(pages)
-    here = _OF.get(current.url_path or START)
-    lacking = {page.key: need for page in _PAGES if page.lacks and (need := page.lacks())}
+    lacking = {page.key: need for page in _PAGES if (need := page.lacks())}
     with st.container(horizontal=True, gap="xsmall", vertical_alignment="center", key="navigation"):
         for page in _PAGES:
             if page.section == COMPARE and not page.tab_of and page.key not in lacking:
-                is_here = here is not None and page.key in (here.key, here.tab_of)
+                is_here = page.key in (here.key, here.tab_of)
                 with st.container(width="content", key="nav_current" if is_here else None):
                     st.page_link(links[page.key], width="content")
         for group in GROUPS:
-            is_here = here is not None and here.section == group
             # another one on each page, so that it is closed there
-            name = f"current_{here.key}" if here and is_here else group
+            name = f"current_{here.key}" if here.section == group else group
             with st.popover(group, type="tertiary", key=f"nav_{name}"):
                 _draw_group(group, links, lacking)
         with st.container(horizontal=True, width="content", gap="xsmall", key="nav_icons"):
@@ -157,22 +119,15 @@ def draw_bar(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> N
                     st.page_link(links[page.key], icon=page.icon, width="content")
 
 
-def draw_questions(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> None:
+def draw_questions(links: dict[str, StreamlitPage], here: Page) -> None:
     """Draw links to pages that answer a question about this comparison, only on the first page."""
-    if (current.url_path or START) != START:
+    if here.key != START:
         return
-    links = _links(pages)
     with st.container(horizontal=True, gap="medium", key="questions"):
         for page in _PAGES:
-            if page.asks and not (page.lacks and page.lacks()):
+            if page.asks and not page.lacks():
                 icon = ":material/arrow_forward:"
                 st.page_link(links[page.key], label=page.asks, icon=icon, width="content")
-
-
-def _links(pages: dict[str, list[StreamlitPage]]) -> dict[str, StreamlitPage]:
-    """Return the pages by key."""
-    keys = chain(*SECTIONS.values())  # as `all_pages` has them
-    return dict(zip(keys, chain(*pages.values()), strict=True))
 
 
 def _draw_group(group: str, links: dict[str, StreamlitPage], lacking: dict[str, str]) -> None:
@@ -190,15 +145,11 @@ def _draw_group(group: str, links: dict[str, StreamlitPage], lacking: dict[str, 
         st.caption(lacking[page.key])
 
 
-def draw_tabs(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> None:
+def draw_tabs(links: dict[str, StreamlitPage], here: Page) -> None:
     """Draw links to a page and its tabs, if it has any."""
-    here = _OF.get(current.url_path or START)
-    if here is None:
-        return
     first = here.tab_of or here.key
     tabs = [page for page in _PAGES if first in (page.key, page.tab_of)]
     if len(tabs) > 1:
-        links = _links(pages)
         with st.container(horizontal=True, gap="small", key="tabs"):
             for page in tabs:
                 st.page_link(links[page.key], width="content")

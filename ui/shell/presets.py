@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import streamlit as st
 
-from nvcore.params import SETTINGS
+from nvcore.params import SETTINGS, Params
 from nvcore.params.presets import PRESETS, Preset, presets_for
 from nvcore.stages import THRESHOLD
 from nvcore.wording import count_text
@@ -23,10 +23,10 @@ _BY_NAME: Final = {preset.name: preset for preset in PRESETS}
 
 def preset_in_use() -> Preset | None:
     """The preset whose values all settings but the thresholds have; None: custom settings."""
-    live = _live()
+    live = state.params()
     for preset in _presets():
         values = preset.values(live_params.picture_height())
-        if all(_is_same(name, live[name], values[name]) for name in values):
+        if all(_is_same(name, getattr(live, name), values[name]) for name in values):
             return preset
     return None
 
@@ -40,8 +40,15 @@ def changed() -> dict[str, Any]:
 
     Thresholds belong to no preset: they are compared with those of what is open.
     """
-    base, live = _base(), _live()
-    return {name: base[name] for name in SETTINGS if not _is_same(name, live[name], base[name])}
+    base = {name: getattr(state.session_params(), name) for name in SETTINGS}
+    if (preset := _chosen()) is not None:
+        base |= preset.values(live_params.picture_height())
+    live = state.params()
+    return {
+        name: value
+        for name, value in base.items()
+        if not _is_same(name, getattr(live, name), value)
+    }
 
 
 def draw(moved: dict[str, Any]) -> None:
@@ -59,13 +66,11 @@ def draw(moved: dict[str, Any]) -> None:
         width="stretch",
         help="  \n".join(f"*{preset.name}*: {state.say(preset.text)}" for preset in _presets()),
     )
-    label = f"{count_text(len(moved), 'setting')} changed" if moved else "No setting changed"
-    with st.popover(label, type="tertiary", disabled=not moved, key="changed"):
+    with st.popover(_changes_text(moved), type="tertiary", disabled=not moved, key="changed"):
         for name, value in moved.items():
-            setting = SETTINGS[name]
+            label, now = SETTINGS[name].label_with_unit, getattr(state.params(), name)
             st.button(
-                f"{state.say(setting.label_with_unit)}: {_text(name, _live()[name])}, back to "
-                f"{_text(name, value)}",
+                f"{state.say(label)}: {_text(name, now)}, back to {_text(name, value)}",
                 key=f"reset_{name}",
                 icon=":material/undo:",
                 type="tertiary",
@@ -74,12 +79,21 @@ def draw(moved: dict[str, Any]) -> None:
             )
 
 
+def _changes_text(moved: dict[str, Any]) -> str:
+    """How many settings were moved; where none was, whether the session gives some of its own."""
+    if moved:
+        return f"{count_text(len(moved), 'setting')} changed"
+    is_of_session = _chosen() is None and state.session_params() != Params()
+    return "Settings of the session" if is_of_session else "No setting changed"
+
+
 def _take(key: str) -> None:
     """A preset was chosen; the one in use, pressed again, stays."""
     name: str | None = store.widget(key).get()
     if settings.is_chosen(KEY, key) and name is not None:
         store.PRESET.set((state.workspace().n_opened, name))
-        live_params.set_preset(_BY_NAME[name])
+        for setting, value in _BY_NAME[name].values(live_params.picture_height()).items():
+            reset(setting, value)
 
 
 def reset(name: str, value: Any) -> None:
@@ -91,18 +105,10 @@ def reset(name: str, value: Any) -> None:
         state.set_params(**{name: _resolved(name, value)})
 
 
-def _live() -> dict[str, Any]:
-    params = state.params()
-    return {name: getattr(params, name) for name in SETTINGS}
-
-
-def _base() -> dict[str, Any]:
-    start = state.session_params()
-    base = {name: getattr(start, name) for name in SETTINGS}
+def _chosen() -> Preset | None:
+    """The preset chosen last for what is open."""
     opening, name = store.PRESET.get()
-    if opening == state.workspace().n_opened:
-        base |= _BY_NAME[name].values(live_params.picture_height())
-    return base
+    return _BY_NAME[name] if opening == state.workspace().n_opened else None
 
 
 def _resolved(name: str, value: Any) -> Any:

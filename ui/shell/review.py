@@ -117,7 +117,8 @@ def end() -> None:
 def _show(review: Review, *, writes: bool = True) -> bool:
     """Look at an entry: its frame becomes the current one, if it is evaluated."""
     store.REVIEW.set(review)
-    store.ENTRIES_SEEN.get()[review.key] = seen_of(review.key) | {review.at}
+    seen = seen_of(review.key) | {review.at}
+    store.ENTRIES_SEEN.set({**store.ENTRIES_SEEN.get(), review.key: seen})
     row = review.frame_row
     if row != NO_ROW:
         state.go_to(*state.place_of(row), writes=writes)

@@ -8,7 +8,6 @@ import streamlit as st
 
 from nvcore.wording import one_line, shortened
 from ui.session import state
-from ui.session.opening import with_systems
 
 MAX_NAME = 24
 
@@ -55,14 +54,4 @@ def swap() -> None:
     """X becomes Y, and Y becomes X. For callbacks."""
     x, y = state.systems()
     if y is not None:
-        compare(y, x)
-
-
-def compare(x: str, y: str | None) -> None:
-    """Make these X and Y, each with its own threshold. For callbacks."""
-    opened = state.opened()
-    session, thresholds = with_systems(opened.session, opened.dataset, state.params(), x=x, y=y)
-    state.compare_as(session)
-    for letter, name in (("x", x), ("y", y)):
-        if name is not None:
-            state.set_threshold(letter, thresholds[f"threshold_{letter}"])
+        state.compare_systems(y, x)

@@ -6,6 +6,7 @@ import streamlit as st
 
 from nvcore.wording import count_text
 from ui.session import state, store
+from ui.session.sample import shown_in
 from ui.session.uploads import remove_pictures
 from ui.session.workspace import Workspace
 
@@ -53,8 +54,7 @@ def _remove(space: Workspace) -> None:
 
 
 def _go_back(space: Workspace) -> None:
-    shared = state.shared_start()
-    space.show(shared.opened, shared.new_pictures())
+    shown_in(space, state.shared_start().opened)
 
 
 def _start_over() -> None:

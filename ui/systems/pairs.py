@@ -10,7 +10,6 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.report.matrix import pair_name, pair_text
 from ui.session import state
-from ui.shell import systems
 from ui.shell.navigate import ask_for_page, open_page
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
@@ -50,5 +49,5 @@ def draw(table: pd.DataFrame) -> None:
 def _open(x: str, y: str) -> None:
     """Make these systems X and Y, if necessary, and go to the Overview. For callbacks."""
     if {x, y} != set(state.systems()):
-        systems.compare(x, y)
+        state.compare_systems(x, y)
     ask_for_page("overview")

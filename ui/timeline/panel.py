@@ -22,7 +22,7 @@ from nvcore.tables.frame import (
 from nvcore.wording import count_text
 from ui.session import state
 from ui.session.chosen import choose_encounter, chosen_encounter, name_of
-from ui.shell.navigate import open_encounters
+from ui.shell.navigate import open_page
 from ui.widgets import drawing
 from ui.widgets.buttons import button
 from ui.widgets.table import TableColumn, draw_table
@@ -102,7 +102,7 @@ def _chosen(result: Result, row: int) -> None:
                 )
             )
         if button("Open in Encounters", key="open_chosen", width="stretch"):
-            open_encounters(encounter=name_of(result, encounter))
+            open_page("encounters", encounter=name_of(result, encounter))
 
 
 def _choose(result: Result, tracks: list[int], row: int, _line: int, column: str) -> None:

@@ -132,7 +132,7 @@ def test_a_recording_is_called_otherwise_without_reading_it_again(
 
 
 def test_a_rename_keeps_who_is_chosen_and_which_preset(edit: Edit):
-    page = opened("ui.data.inputs.draw()", "ui.shell.sidebar.draw(wrong, ())")
+    page = opened("ui.data.inputs.draw()", "ui.shell.sidebar.draw(wrong, pages.PAGE_OF['data'])")
     page.session_state[ENCOUNTER.key] = (1, "urban_crossing:2")
     page.session_state["encounters_recording_1"] = ["urban_crossing", "rural_child"]
     page.session_state["saliency_recording_1"] = "urban_crossing"

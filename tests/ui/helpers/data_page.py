@@ -14,14 +14,13 @@ from streamlit.testing.v1 import AppTest
 
 from pages import checked, part, press, space_of
 from ui.session.uploads import receive
-from ui.session.workspace import PICTURES
 
 READING = (
     "ui.data.opening.draw_outcome()", "ui.data.choose.draw()", "ui.data.audit.findings.draw()",
     "ui.data.inputs.draw()",
 )  # fmt: skip
 """What files can be opened with, and what is found and read in them."""
-COMPARING = ("ui.data.compare.draw()", "ui.shell.sidebar.draw(wrong, pages.SHOWN['data'])")
+COMPARING = ("ui.data.compare.draw()", "ui.shell.sidebar.draw(wrong, pages.PAGE_OF['data'])")
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
 ASKED = {"width": 640, "height": 480, "fps": 20.0}
 """What the page asks of files that say none of it."""
@@ -143,7 +142,7 @@ def send_video(page: AppTest, name: str, n_bytes: int | None = None) -> AppTest:
     async def content():
         yield (ROOT / "sample_data" / "odd_pose.mp4").read_bytes()[:n_bytes]
 
-    asyncio.run(receive(space_of(page), PICTURES, name, content()))
+    asyncio.run(receive(space_of(page), name, content()))
     return checked(page.run())
 
 

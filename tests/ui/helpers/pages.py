@@ -84,9 +84,10 @@ def space_of(page: AppTest) -> Workspace:
 
 def sidebar(*, page: str = "metrics", is_folded: bool = False, **address: str) -> AppTest:
     """Systems and settings as beside this page, without the page."""
-    shown = f"wrong, pages.SHOWN[{page!r}], own=pages.OWN[{page!r}], is_folded={is_folded}"
     calls = "ui.shell.systems.draw()", "ui.session.state.write_address()"
-    return checked(part(*calls, f"ui.shell.sidebar.draw({shown})", **address).run())
+    drawn = part(*calls, f"ui.shell.sidebar.draw(wrong, pages.PAGE_OF[{page!r}])", **address)
+    drawn.session_state[FOLDED] = not is_folded
+    return checked(drawn.run())
 
 
 def scripted(script: str, **address: str) -> AppTest:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from nvcore import auditing
 from pages import alone, checked
 from ui.jobs import companions
 from ui.serving.life import prepare_start
@@ -21,6 +22,6 @@ def test_the_first_visitor_need_not_wait_for_the_comparison(monkeypatch: pytest.
     monkeypatch.setattr(results, "judge_miss_rate", refuse)
     monkeypatch.setattr(companions, "find_companions", refuse)
     for name in ("audit_inputs", "audit_system", "audit_pair"):
-        monkeypatch.setattr(results, name, refuse)
+        monkeypatch.setattr(auditing, name, refuse)
     page = checked(alone("overview").run())
     assert not page.error

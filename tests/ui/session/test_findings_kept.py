@@ -4,11 +4,11 @@ from dataclasses import replace
 
 from streamlit.testing.v1 import AppTest
 
+from nvcore import auditing
 from nvcore.auditing import audit, audit_inputs
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from pages import TIMEOUT_S
-from ui.session import results
 from ui.session.state import SAMPLE
 
 SCRIPT = """
@@ -23,18 +23,19 @@ st.session_state["findings"] = input_findings()
 
 
 def test_findings_follow_the_threshold_and_those_of_the_files_are_made_once(monkeypatch):
+    dataset = load(read_session(SAMPLE))
+    params = replace(dataset.params_of(), threshold_x=2.0)
+    as_opened, moved = audit(dataset), audit(dataset, params)
     audited = []
     monkeypatch.setattr(
-        results, "audit_inputs", lambda dataset: audited.append(dataset) or audit_inputs(dataset)
+        auditing, "audit_inputs", lambda dataset: audited.append(dataset) or audit_inputs(dataset)
     )
-    dataset = load(read_session(SAMPLE))
     app = AppTest.from_string(SCRIPT, default_timeout=TIMEOUT_S).run()
-    assert app.session_state["findings"] == audit(dataset)
+    assert app.session_state["findings"] == as_opened
     for threshold in (0.9, 2.0):  # the latter above every score
         app.session_state["settings"] = {"threshold_x": threshold}
         app.run()
         assert not app.exception
-    params = replace(dataset.params_of(), threshold_x=2.0)
-    assert app.session_state["findings"] == audit(dataset, params)
+    assert app.session_state["findings"] == moved
     assert "threshold-keeps-nothing" in {finding.code for finding in app.session_state["findings"]}
     assert len(audited) <= 2  # of the sample as it opens, for all sessions; with other settings

@@ -13,7 +13,6 @@ from inputs import write
 from nvcore.errors import InputError, SessionError
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Source, SystemSource
-from nvcore.params import Params
 from ui.access.files import check_confined
 from ui.confined import reading
 from ui.confined.process import Allowance
@@ -25,7 +24,6 @@ from ui.session.opening import (
     recording_entry,
     uploaded_session,
     with_recordings,
-    with_systems,
     with_uploaded_recordings,
 )
 
@@ -59,13 +57,6 @@ def test_factors_of_width_and_height_may_differ(dataset):
     suggested = finding(scale_x=1.5, scale_y=2, offset_x_px=3, offset_y_px=-4)
     system = corrected(session(), dataset, suggested).systems[0]
     assert (system.scale, system.offset_px) == ((1.5, 2), (3, -4))
-
-
-def test_a_threshold_stays_with_its_system(dataset):
-    params = Params(threshold_x=0.3, threshold_y=0.6)
-    changed, thresholds = with_systems(session(), dataset, params, x="y", y="x")
-    assert thresholds == {"threshold_x": 0.6, "threshold_y": 0.3}
-    assert [system.threshold for system in changed.systems] == [0.3, 0.6]
 
 
 def test_facts_of_one_recording_leave_the_others_alone():

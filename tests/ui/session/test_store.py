@@ -6,7 +6,7 @@ import streamlit as st
 from places import ROOT
 
 from ui.session import store
-from ui.session.store import Collection, Entry, Family
+from ui.session.store import Entry, Family
 
 APP = [ROOT / "app.py", *(ROOT / "ui").rglob("*.py"), *(ROOT / "pages").rglob("*.py")]
 STORE = ROOT / "ui" / "session" / "store.py"
@@ -18,7 +18,7 @@ def test_no_other_file_touches_streamlits_state():
 
 
 def test_no_two_entries_share_a_key():
-    entries = [entry for entry in vars(store).values() if isinstance(entry, Entry | Collection)]
+    entries = [entry for entry in vars(store).values() if isinstance(entry, Entry)]
     keys = [entry.key for entry in entries]
     assert len(keys) == len({*keys}) > 50
 
@@ -45,14 +45,6 @@ def test_members_of_a_family_are_apart():
     assert family.known() == [family.of("x")]
     family.of("x").pop()
     assert family.known() == []
-
-
-def test_a_collection_is_changed_in_place():
-    collection = Collection("test_collection", list)
-    collection.get().append(1)
-    assert collection.get() == [1]
-    del st.session_state["test_collection"]
-    assert collection.get() == []
 
 
 def test_what_a_component_has_sent_is_read_however_deep_and_none_if_it_is_not_there():

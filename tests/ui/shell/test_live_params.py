@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ from streamlit.testing.v1 import AppTest
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, Params
-from nvcore.stages import MATCH, PROXIMITY, shown_results
+from nvcore.stages import MATCH, PROXIMITY, Stage
 from pages import FRAMES, begin_with, checked, opened, press, rows, shown, sidebar, texts, write
 from ui.session import settings
 from ui.session.sample import shown_in
@@ -26,10 +27,15 @@ SCORED, CONSTANT = (
 )
 
 
+def show(stages: tuple[Stage, ...] | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = replace(pages.PAGE_OF["metrics"], shown=stages)
+    monkeypatch.setitem(pages.PAGE_OF, "metrics", page)
+
+
 @pytest.fixture
 def every_setting_acts(monkeypatch: pytest.MonkeyPatch) -> None:
     """The page shows nothing of the comparison: no setting acts on it."""
-    monkeypatch.setitem(pages.SHOWN, "metrics", shown_results())
+    show(None, monkeypatch)
 
 
 pytestmark = pytest.mark.usefixtures("every_setting_acts")
@@ -246,7 +252,7 @@ def test_recency_shows_the_sliders_of_its_unit():
 
 
 def test_settings_are_grey_where_they_act_on_nothing(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setitem(pages.SHOWN, "metrics", (MATCH, PROXIMITY))
+    show((MATCH, PROXIMITY), monkeypatch)
     page = sidebar()
     page.session_state["advanced"] = True
     checked(page.run())
@@ -263,7 +269,7 @@ def test_settings_are_grey_where_they_act_on_nothing(monkeypatch: pytest.MonkeyP
 def test_grey_settings_are_spoken_of_only_where_some_are_in_sight(monkeypatch: pytest.MonkeyPatch):
     main = tuple({setting.stage for setting in SETTINGS.values() if not setting.is_advanced})
     assert any(not setting.moves(main) for setting in SETTINGS.values())  # advanced ones
-    monkeypatch.setitem(pages.SHOWN, "metrics", main)
+    show(main, monkeypatch)
     page = sidebar()
     assert "grey have no effect" not in texts(page)
     page.session_state["advanced"] = True
@@ -271,9 +277,7 @@ def test_grey_settings_are_spoken_of_only_where_some_are_in_sight(monkeypatch: p
 
 
 def test_every_page_of_a_comparison_has_settings_that_act():
-    names = [name for section in pages.SECTIONS.values() for name in section]
-    idle = [name for name in names if not pages.SHOWN.get(name, shown_results())]
-    assert set(pages.SHOWN) <= set(names)
+    idle = [key for key, page in pages.PAGE_OF.items() if page.shown == ()]
     assert idle == ["detectors", "study"]
 
 

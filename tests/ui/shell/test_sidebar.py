@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,6 @@ from streamlit.testing.v1 import AppTest
 from streamlit.testing.v1.element_tree import NumberInput
 
 from nvcore.detection.operating_point import threshold_with_alarms
-from nvcore.stages import shown_results
 from pages import FRAMES, begin_with, checked, press, rows, shown, sidebar, texts, write
 from ui.shell import pages
 from ui.shell.operating_point import RATE, points
@@ -18,7 +18,8 @@ from ui.shell.operating_point import RATE, points
 
 @pytest.fixture
 def every_setting_acts(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(pages.SHOWN, "metrics", shown_results())
+    page = replace(pages.PAGE_OF["metrics"], shown=None)
+    monkeypatch.setitem(pages.PAGE_OF, "metrics", page)
 
 
 def legend(page: AppTest) -> str:
@@ -49,9 +50,8 @@ def test_where_no_setting_acts_they_are_folded_away_and_x_and_y_stay():
 
 
 def test_the_settings_are_folded_where_they_move_little_or_nothing():
-    names = [name for section in pages.SECTIONS.values() for name in section]
-    folded = [name for name in names if name in pages.FOLDED or pages.SHOWN.get(name) == ()]
-    assert folded == ["detectors", "study", "ratings", "export", "metrics"]
+    folded = {key for key, page in pages.PAGE_OF.items() if page.is_folded or page.shown == ()}
+    assert folded == {"detectors", "study", "ratings", "export", "metrics"}
 
 
 def test_x_and_y_are_swapped_beside_their_names():
@@ -181,3 +181,16 @@ def test_settings_of_the_driver_are_there_where_detectability_is_known(
     assert ("**The driver**" in [text.value for text in page.markdown]) is is_known
     assert ("driver_threshold" in keys(page)) is is_known
     assert ("driver_weighting" in keys(page)) is is_known
+
+
+@pytest.mark.usefixtures("every_setting_acts")
+@pytest.mark.parametrize(
+    ("alpha", "words"), [(0.9, "No setting changed"), (0.4, "Settings of the session")]
+)
+def test_settings_that_the_session_gives_are_named(
+    alpha: float, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    session = session_of(drive(tmp_path))
+    params = replace(session.params, alpha=alpha)
+    begin_with(replace(session, params=params), monkeypatch)
+    assert words in [popover.proto.popover.label for popover in sidebar().get("popover")]

@@ -18,7 +18,7 @@ from pages import checked, opened, press, scripted, session
 from ui.session import state
 from ui.session.state import ROOT
 from ui.session.uploads import receive
-from ui.session.workspace import PICTURES, Opened, Workspace
+from ui.session.workspace import Opened, Workspace
 from ui.shell.messages import shown_error
 
 
@@ -40,7 +40,7 @@ def failing_page(
     page = checked(opened())
     if is_sent:
         space = page.session_state["workspace"]
-        asyncio.run(receive(space, PICTURES, "a.png", chunks(PNG)))
+        asyncio.run(receive(space, "a.png", chunks(PNG)))
     monkeypatch.setattr(state, "result", fail)
     return checked(page.run())
 

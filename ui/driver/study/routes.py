@@ -32,11 +32,11 @@ _LOG = logging.getLogger("nvcore.ui")
 
 
 @for_owner()
-async def study_picture(request: Request, space: Workspace | None) -> Response:
+async def study_picture(request: Request, space: Workspace) -> Response:
     """Answer with a picture of the study, or its coarse version."""
-    screen: OnScreen | None = None if space is None else space.notes.get(ON_SCREEN)
+    screen: OnScreen | None = space.notes.get(ON_SCREEN)
     name, view = request.path_params["picture"], request.path_params["view"]
-    if space is None or screen is None or view not in ("full", "coarse"):
+    if screen is None or view not in ("full", "coarse"):
         return not_found(ENDED)
     try:
         content = await run_sync(lambda: screen.picture(name, view), limiter=space.picture_turns)
@@ -46,9 +46,9 @@ async def study_picture(request: Request, space: Workspace | None) -> Response:
 
 
 @for_owner(sent="answers")
-async def study_answer(request: Request, space: Workspace | None) -> Response:
+async def study_answer(request: Request, space: Workspace) -> Response:
     """Store the report that a picture appeared, or its answer. Success means that it is on disk."""
-    screen: OnScreen | None = None if space is None else space.notes.get(ON_SCREEN)
+    screen: OnScreen | None = space.notes.get(ON_SCREEN)
     kind, place = request.path_params["kind"], index_in(request, "place")
     if screen is None or kind not in ("shown", "answer"):
         return not_found(ENDED)
