@@ -56,7 +56,9 @@ class OwnPages:
         headers = Headers(scope=scope)
         host, origin = headers.get("host"), headers.get("origin")
         is_read = scope["type"] == "http" and scope["method"] in SAFE
-        if is_own_host(host) and (is_read or is_own_origin(origin, host)):
+        is_foreign = origin is None and headers.get("sec-fetch-site") in ("cross-site", "same-site")
+        is_ours = is_own_origin(origin, host) and not is_foreign
+        if is_own_host(host) and (is_read or is_ours):
             await self.app(scope, receive, send)
         elif scope["type"] == "websocket":
             await _refuse(receive, send)
@@ -157,7 +159,7 @@ class Gate:
     async def _connect(
         self, cookies: dict[str, str], scope: Scope, receive: Receive, send: Send
     ) -> None:
-        protocol, session = server.protocol_and_session(Headers(scope=scope))
+        protocol, _, session = server.parse_subprotocols(Headers(scope=scope))
         key = key_of(cookies)
         if key is None or not _may_reconnect(session, key):
             if not scope["path"].endswith(server.STREAM) or not protocol:
@@ -191,7 +193,7 @@ def _may_upload(session: str, key: str) -> bool:
     return space is not None and is_same(space.owner, key)
 
 
-def _may_reconnect(session: str, key: str) -> bool:
+def _may_reconnect(session: str | None, key: str) -> bool:
     """Whether this person may reconnect to the session."""
     space = workspace_of_session(session) if session else None
     return space is None or is_same(space.owner, key)

@@ -1,21 +1,17 @@
-"""Security headers of every answer, and status 404 for unknown pages."""
+"""Security headers of every answer."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
 import os
-from collections.abc import Collection
-from http import HTTPStatus
 from typing import Final
 
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from ui.settings.start import base_path
-from ui.streamlit_inside.server import FILES, inline_scripts
+from ui.streamlit_inside.server import inline_scripts
 
-HTML: Final = "text/html"
 FRAMED_BY: Final = "NVCORE_FRAME_ANCESTORS"
 """Sites that may embed the app, as in a content security policy; default: itself."""
 
@@ -76,30 +72,3 @@ class SecureHeaders:
             await send(message)
 
         await self.app(scope, receive, send_with_headers)
-
-
-class KnownPages:
-    """Sets status 404 for unknown pages, which Streamlit answers with its index page and 200.
-
-    Parameters
-    ----------
-    pages
-        Page names as they appear in addresses.
-    """
-
-    def __init__(self, app: ASGIApp, pages: Collection[str]):
-        self.app, self._pages, self._base = app, {"", "index.html", *pages}, base_path()
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """ASGI."""
-        name = str(scope.get("path", "")).removeprefix(self._base).strip("/")
-        is_known = name in self._pages or name.partition("/")[0] in FILES
-
-        async def send_with_status(message: Message) -> None:
-            if message["type"] == "http.response.start" and message["status"] == HTTPStatus.OK:
-                is_page = MutableHeaders(scope=message).get("content-type", "").startswith(HTML)
-                message["status"] = HTTPStatus.NOT_FOUND if is_page else HTTPStatus.OK
-            await send(message)
-
-        is_asked = scope["type"] == "http" and not is_known
-        await self.app(scope, receive, send_with_status if is_asked else send)

@@ -39,7 +39,6 @@ from nvcore.errors import MediaError
 from nvcore.overlay.explain import explain_boxes
 from nvcore.pictures.base import Picture, Pictures
 from nvcore.pictures.stretch import jpeg, stretch
-from ui.access.origins import is_own_origin
 from ui.access.people import is_same, key_of
 from ui.answers import PRIVATE, text_answer
 from ui.session.address import finite_number
@@ -87,41 +86,20 @@ def index_in(request: Request, name: str) -> int:
     return int(text) if is_index else 10**MOST_DIGITS
 
 
-def for_owner(*, sent: str = "") -> Callable[[Handler], Answer]:
-    """Decorator of routes for a workspace's owner; they receive it, None if the session has ended.
+def for_owner(handle: Handler) -> Answer:
+    """Restrict a route to a workspace's owner, and pass it the workspace.
 
-    Parameters
-    ----------
-    sent
-        What is sent, in the plural: only our own page may; empty: nothing is.
+    It is None if the session has ended.
     """
 
-    def guard(handle: Handler) -> Answer:
-        @wraps(handle)
-        async def route(request: Request) -> Response:
-            if sent and not is_own_page(request):
-                return say(HTTPStatus.FORBIDDEN, f"{sent} come from the app's own page only")
-            space = workspace_of(request.path_params["token"])
-            if not is_owner(request, space):
-                return say(HTTPStatus.FORBIDDEN, "log in as the one whose session this is")
-            return await handle(request, space)
+    @wraps(handle)
+    async def route(request: Request) -> Response:
+        space, key = workspace_of(request.path_params["token"]), key_of(request.cookies)
+        if key is None or (space is not None and not is_same(space.owner, key)):
+            return say(HTTPStatus.FORBIDDEN, "log in as the one whose session this is")
+        return await handle(request, space)
 
-        return route
-
-    return guard
-
-
-def is_owner(request: Request, space: Workspace | None) -> bool:
-    """Whether the sender may use the workspace; true if there is none."""
-    key = key_of(request.cookies)
-    return key is not None and (space is None or is_same(space.owner, key))
-
-
-def is_own_page(request: Request) -> bool:
-    """Whether the request comes from our own page; other programs send no origin."""
-    if request.headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
-        return False
-    return is_own_origin(request.headers.get("origin"), request.headers.get("host"))
+    return route
 
 
 def say(status: int, text: str) -> Response:
@@ -134,7 +112,7 @@ def not_found(text: str) -> Response:
     return say(HTTPStatus.NOT_FOUND, text)
 
 
-@for_owner()
+@for_owner
 async def frame(request: Request, space: Workspace | None) -> Response:
     """Picture of a row of a recording, its grey values stretched between two percentiles."""
     lo, hi = _percentile(request, "lo", 0.0), _percentile(request, "hi", 100.0)
@@ -148,7 +126,7 @@ async def frame(request: Request, space: Workspace | None) -> Response:
     return await _picture(space, pictures, rows, row, lambda read: stretch(read, lo, hi))
 
 
-@for_owner()
+@for_owner
 async def visible(request: Request, space: Workspace | None) -> Response:
     """Visible-light picture of a row; with `seen_s`, as eyes see it that long after a change."""
     seen_s = _number(request, "seen_s", math.inf)
@@ -189,7 +167,7 @@ async def _picture(
     return Response(content, media_type="image/jpeg", headers=CACHED)
 
 
-@for_owner()
+@for_owner
 async def boxes(request: Request, space: Workspace | None) -> Response:
     """Boxes of a stretch of rows of a recording, as `pack_boxes` packs them."""
     compared = None if space is None else space.compared
@@ -210,7 +188,7 @@ async def boxes(request: Request, space: Workspace | None) -> Response:
     return Response(content, media_type="application/octet-stream", headers=headers)
 
 
-@for_owner()
+@for_owner
 async def comparison(request: Request, space: Workspace | None) -> Response:
     """The columns of `pack_comparison`, with which the browser follows a slider."""
     if space is None:
@@ -223,7 +201,7 @@ async def comparison(request: Request, space: Workspace | None) -> Response:
     return Response(content, media_type="application/octet-stream", headers=CACHED)
 
 
-@for_owner()
+@for_owner
 async def reasons(request: Request, space: Workspace | None) -> Response:
     """What each box of a row counts and costs with the newest settings, in words."""
     compared = None if space is None else space.compared
@@ -240,7 +218,7 @@ async def reasons(request: Request, space: Workspace | None) -> Response:
     return JSONResponse([asdict(box) for box in boxes], headers=NOT_CACHED)
 
 
-@for_owner(sent="uploads")
+@for_owner
 async def upload(request: Request, space: Workspace | None) -> Response:
     """Receive one picture file or video into the session's folder as a stream."""
     if space is None or request.path_params["slot"] not in SLOTS:
