@@ -114,8 +114,10 @@ class Gate:
         if person is None or not person.may_enter:
             return self._refusal(connection, scope["method"], person, settings)
         upload = server.UPLOAD.search(path)
-        if upload is not None and not _may_upload(upload["session"], person.key):
-            return text_answer(HTTPStatus.FORBIDDEN, "this session belongs to someone else")
+        if upload is not None:
+            space = workspace_of_session(upload["session"])
+            if space is None or not is_same(space.owner, person.key):
+                return text_answer(HTTPStatus.FORBIDDEN, "this session belongs to someone else")
         wanted = unquote(connection.cookies.get(WANTED, ""))
         if path in (self._base, f"{self._base}/") and wanted:
             known = is_own_address(wanted, self._base)
@@ -185,12 +187,6 @@ class Gate:
                 await send(message)
 
         await self.app(scope, receive_from_person, send_to_person)
-
-
-def _may_upload(session: str, key: str) -> bool:
-    """Whether this person may upload annotation files to this Streamlit session."""
-    space = workspace_of_session(session)
-    return space is not None and is_same(space.owner, key)
 
 
 def _may_reconnect(session: str | None, key: str) -> bool:
