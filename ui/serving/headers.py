@@ -22,9 +22,11 @@ def content_policy(framed_by: str = "'self'") -> str:
     Scripts and data come from the app only. Inline styles are allowed because Streamlit and Plotly
     write them; blobs, because the viewer's script and the colour maps are blobs.
     """
+    digests = (hashlib.sha256(script.encode()).digest() for script in inline_scripts())
+    hashes = " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests)
     sources = {
         "default-src": "'self'",
-        "script-src": f"'self' blob: 'wasm-unsafe-eval' {' '.join(_inline_script_hashes())}",
+        "script-src": f"'self' blob: 'wasm-unsafe-eval' {hashes}",
         "style-src": "'self' 'unsafe-inline'",
         "img-src": "'self' data: blob:",
         "media-src": "'self' data: blob:",
@@ -37,12 +39,6 @@ def content_policy(framed_by: str = "'self'") -> str:
         "frame-ancestors": framed_by,
     }
     return "; ".join(f"{name} {value}" for name, value in sources.items())
-
-
-def _inline_script_hashes() -> list[str]:
-    """Hashes of the inline scripts in Streamlit's index.html, as a policy lists them."""
-    hashes = (hashlib.sha256(script.encode()).digest() for script in inline_scripts())
-    return [f"'sha256-{base64.b64encode(digest).decode()}'" for digest in hashes]
 
 
 class SecureHeaders:
