@@ -8,9 +8,9 @@ from starlette.middleware import Middleware
 
 from ui.access.login import login
 from ui.serving.gate import Gate, OwnPages
-from ui.serving.headers import KnownPages, SecureHeaders
+from ui.serving.headers import SecureHeaders
 from ui.serving.life import check_start, lifespan
-from ui.serving.styles import OwnStyles
+from ui.serving.styles import StyledPages
 from ui.serving.visitors import VisitorLimits
 from ui.session.routes import routes_below
 from ui.settings.limits import limits_of_environment
@@ -34,8 +34,7 @@ app = st.App(
         Middleware(OwnPages),
         Middleware(Gate),
         Middleware(VisitorLimits, limits=limits_of_environment()),
-        Middleware(KnownPages, pages=[name for pages in SECTIONS.values() for name in pages]),
-        Middleware(OwnStyles),
+        Middleware(StyledPages, pages=[name for pages in SECTIONS.values() for name in pages]),
     ],
     lifespan=lifespan,
     on_script_error=error_banner,

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import click
 
-from nvcore.arguments import OUTPUT
+from nvcore.arguments import FOLDER, OUTPUT
 from nvcore.cli.options import (
     command,
     grouped_option,
@@ -15,9 +15,14 @@ from nvcore.cli.options import (
     parameter_options,
 )
 from nvcore.cli.session_options import session_from
-from nvcore.cli.steps import compare_session, errors_of, findings_shown, shown_paths
+from nvcore.cli.steps import (
+    check_output_folder,
+    compare_session,
+    errors_of,
+    say_written,
+    shown_findings,
+)
 from nvcore.inputs.session_toml import read_session
-from nvcore.wording import one_line
 
 # As in nvcore/cli/__init__.py, numpy is imported by the command only.
 
@@ -40,8 +45,7 @@ from nvcore.wording import one_line
 @grouped_option(
     OUTPUT,
     "--out",
-    type=click.Path(file_okay=False, path_type=Path),
-    metavar="DIR",
+    type=FOLDER,
     help="Write alerts.csv, alert_curve.csv and, with speed signs, speeding.csv into this folder.",
 )
 @parameter_options
@@ -56,8 +60,6 @@ def alerts(policy: str | None, out: Path | None, **options: Any) -> None:
     from nvcore.alerts.policy import policy_from
     from nvcore.alerts.steps import alerts_in
     from nvcore.alerts.text import render_alerts
-    from nvcore.output.files import check_folder
-    from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
     from nvcore.report.terminal import render_findings
 
     file = options["session_file"]
@@ -69,22 +71,19 @@ def alerts(policy: str | None, out: Path | None, **options: Any) -> None:
         options["alerts"] = None if is_asked else "log"
     session = session_from(options, needs_y=True)
     if out is not None:
-        refuse_among_inputs(out, session)
-        check_folder(out, FILES)
-        named = [path for path in (file, policy) if path is not None]
-        refuse_to_replace((out / name for name in FILES), [*files_read(session), *map(Path, named)])
+        policy_file = None if policy is None else Path(policy)
+        check_output_folder(out, FILES, session, file, policy_file)
     with errors_of(session):
         result, findings = compare_session(session)
         view = alerts_in(result)
     if not view.is_asked:
         raise click.UsageError("--alerts off: there is nothing to judge; leave it out")
-    path = shown_paths(session.folder, session.sources, result.dataset.systems)
-    shown = findings_shown(findings, path, result.dataset.compared())
+    shown = shown_findings(session, result.dataset, findings)
     click.echo(render_findings(shown) + "\n", err=True)
     click.echo(render_alerts(view))
     if out is not None:
         write_alerts(out, view)
-        click.echo(one_line(f"written to {out}"), err=True)
+        say_written(out)
 
 
 COMMANDS: Final = (alerts,)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-import numpy as np
 import pandas as pd
 
 from nvcore.arguments import method_with
@@ -17,7 +16,6 @@ from nvcore.arguments.plan import PlanArguments
 from nvcore.arguments.report import HtmlArguments
 from nvcore.auditing import audit, picture_findings
 from nvcore.comparison import Result
-from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError
 from nvcore.evidence.claims import Claim
 from nvcore.evidence.companions import Companions, find_companions
@@ -32,10 +30,7 @@ from nvcore.findings import Finding, worst_first
 from nvcore.inputs.session import Session
 from nvcore.inputs.toml_text import parse_toml
 from nvcore.measures.entry import MeasureTable
-from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
 from nvcore.notes import Note
-from nvcore.params import Params
-from nvcore.protocols import Protocol
 from nvcore.report.brief import render_brief
 from nvcore.report.files import (
     REPORT_FILES,
@@ -47,7 +42,6 @@ from nvcore.report.files import (
 from nvcore.report.plan import verdict_plan
 from nvcore.report.protect_inputs import files_read, refuse_to_replace
 from nvcore.report.verdict import Verdict, verdict
-from nvcore.scoring import SystemResult
 from nvcore.tables.boxes.matches import matches_table
 from nvcore.tables.result import (
     encounters_table,
@@ -63,6 +57,13 @@ from nvcore.wording import ARROWS, count_text, difference, number, one_line
 if TYPE_CHECKING:
     from nvcore.api.figures import Figures
 
+T = TypeVar("T")
+
+
+def _from_result(read: Callable[[Result], T]) -> cached_property[T]:
+    """Declare an attribute of a comparison that is computed from its result on first use."""
+    return cached_property(lambda comparison: read(comparison.result))
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
@@ -75,103 +76,50 @@ class Comparison:
     ----------
     result
         The library's result, with all arrays.
+    dataset, params, x, y, venn, exclusivity, boxes, duration_s, lead_time_s, fusion
+        As of `nvcore.comparison.Result`.
+    protocol
+        Selection of the pedestrians that the detection measures count.
+    frames
+        One row per listed frame: counts, distances and similarity of X and Y.
+    encounters
+        One row per encounter: category and results of X and Y.
+    events
+        One row per saliency event of either system.
+    intervals
+        One row per low-similarity interval of either system.
+    recordings
+        One row per recording: aggregates of X and Y.
+    matches
+        One row per box of truth, X and Y: its match, and whether it counts.
+    summary
+        All aggregates, as in ``summary.json``. Undefined values are None.
     """
 
     result: Result
 
-    @property
-    def dataset(self) -> Dataset:
-        """Recordings, frames and boxes, with the settings of this comparison."""
-        return self.result.dataset
-
-    @property
-    def params(self) -> Params:
-        """The settings of the analysis, thresholds included."""
-        return self.result.params
-
-    @property
-    def protocol(self) -> Protocol:
-        """Selection of the pedestrians that the detection measures count."""
-        return self.dataset.settings.protocol
-
-    @property
-    def x(self) -> SystemResult:
-        """System X, with its summaries."""
-        return self.result.x
-
-    @property
-    def y(self) -> SystemResult:
-        """System Y, with its summaries."""
-        return self.result.y
-
-    @property
-    def venn(self) -> Venn:
-        """Counts of encounters by the systems that detect them."""
-        return self.result.venn
-
-    @property
-    def exclusivity(self) -> Exclusivity:
-        """Degree to which X and Y miss different encounters."""
-        return self.result.exclusivity
-
-    @property
-    def boxes(self) -> BoxVenn:
-        """Number of truth boxes that both, one or neither system matches."""
-        return self.result.boxes
+    dataset = _from_result(lambda result: result.dataset)
+    params = _from_result(lambda result: result.params)
+    x = _from_result(lambda result: result.x)
+    y = _from_result(lambda result: result.y)
+    venn = _from_result(lambda result: result.venn)
+    exclusivity = _from_result(lambda result: result.exclusivity)
+    boxes = _from_result(lambda result: result.boxes)
+    duration_s = _from_result(lambda result: result.duration_s)
+    lead_time_s = _from_result(lambda result: result.lead_time_s)
+    fusion = _from_result(lambda result: result.fusion)
+    protocol = _from_result(lambda result: result.dataset.settings.protocol)
+    frames = _from_result(frames_table)
+    encounters = _from_result(encounters_table)
+    events = _from_result(events_table)
+    intervals = _from_result(intervals_table)
+    recordings = _from_result(recordings_table)
+    matches = _from_result(matches_table)
+    summary = _from_result(summary)
 
     def of(self, subject: str) -> Any:
         """Return a subject's view of the comparison: ``comparison.of("time_left").over_speed``."""
         return self.result.of(subject)
-
-    @property
-    def duration_s(self) -> float:
-        """Total recording time, seconds."""
-        return self.result.duration_s
-
-    @property
-    def lead_time_s(self) -> np.ndarray:
-        """Time by which X matches each encounter before Y, seconds. NaN unless both match."""
-        return self.result.lead_time_s
-
-    @property
-    def fusion(self) -> Result:
-        """Comparison of two fused systems: `x` is ``X or Y``, `y` is ``X and Y``."""
-        return self.result.fusion
-
-    @cached_property
-    def frames(self) -> pd.DataFrame:
-        """One row per listed frame: counts, distances and similarity of X and Y."""
-        return frames_table(self.result)
-
-    @cached_property
-    def encounters(self) -> pd.DataFrame:
-        """One row per encounter: category and results of X and Y."""
-        return encounters_table(self.result)
-
-    @cached_property
-    def events(self) -> pd.DataFrame:
-        """One row per saliency event of either system."""
-        return events_table(self.result)
-
-    @cached_property
-    def intervals(self) -> pd.DataFrame:
-        """One row per low-similarity interval of either system."""
-        return intervals_table(self.result)
-
-    @cached_property
-    def recordings(self) -> pd.DataFrame:
-        """One row per recording: aggregates of X and Y."""
-        return recordings_table(self.result)
-
-    @cached_property
-    def matches(self) -> pd.DataFrame:
-        """One row per box of truth, X and Y: its match, and whether it counts (docs/report.md)."""
-        return matches_table(self.result)
-
-    @cached_property
-    def summary(self) -> dict[str, Any]:
-        """All aggregates, as in ``summary.json``. Undefined values are None."""
-        return summary(self.result)
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:

@@ -39,6 +39,19 @@ FRAMES: Final = (
 )
 """How frames are named."""
 
+
+class _Folder(click.Path):
+    """Path of a folder, shown as DIR in the help."""
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:  # noqa: ARG002
+        """Return the placeholder of the value."""
+        return "DIR"
+
+
+FILE: Final = click.Path(dir_okay=False, path_type=Path)
+FOLDER: Final = _Folder(file_okay=False, path_type=Path)
+"""Types of options that name a file or a folder."""
+
 P = ParamSpec("P")
 Arguments = TypeVar("Arguments")
 Output = TypeVar("Output")

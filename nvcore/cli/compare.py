@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from nvcore.arguments import OUTPUT
+from nvcore.arguments import FOLDER, OUTPUT
 from nvcore.cli.options import (
     GroupedCommand,
     audit_options,
@@ -26,11 +26,12 @@ from nvcore.cli.program import program
 from nvcore.cli.progress import TerminalProgress
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
-    ShownPath,
     as_loaded,
+    check_output_folder,
     errors_of,
     exit_on_findings,
-    findings_shown,
+    say_written,
+    shown_findings,
     shown_paths,
 )
 from nvcore.inputs.session import Session
@@ -62,8 +63,7 @@ MAX_CONVERSION = 160
 @grouped_option(
     OUTPUT,
     "--out",
-    type=click.Path(file_okay=False, path_type=Path),
-    metavar="DIR",
+    type=FOLDER,
     help="Write the tables, summary.json and session.toml into this folder.",
 )
 @grouped_option(
@@ -139,8 +139,7 @@ def compare(
         steps.begin("analysing")
         result = at_operating_point(compare(dataset), session.operating_point or "as-set")
         steps.begin("what fusion would do")
-        path = shown_paths(session.folder, session.sources, dataset.systems)
-        shown = findings_shown(findings, path, dataset.compared())
+        shown = shown_findings(session, dataset, findings)
         if as_json:
             text = summary_json(result)
         else:
@@ -162,14 +161,13 @@ def compare(
             kinds: dict[str, Any] = {"tables": tables or "csv", "matches": matches}
             write_report(result, session, out, findings, progress=steps, **kinds)
     if full or as_json:
-        short = _for_terminal(dataset, path, longest=MAX_CONVERSION)
+        short = _for_terminal(session, dataset, longest=MAX_CONVERSION)
         click.echo(render_inputs(replace(result, dataset=short)), err=as_json)
         click.echo("\n" + render_findings(shown) + "\n", err=as_json)
     click.echo(text, nl=not as_json)
     if are_unequal(result):
         click.echo(f"\n{AT_EQUAL_ALARMS}", err=True)
-    if out is not None:
-        click.echo(one_line(f"written to {out}"), err=True)
+    say_written(out)
     exit_on_findings(findings, strict)
 
 
@@ -214,9 +212,7 @@ def _protect_inputs(
     """
     if out is None:
         return
-    from nvcore.output.files import check_folder
     from nvcore.report.files import SESSION_FILE
-    from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
 
     names = [*names]
     is_written_by_hand = not session.hashes
@@ -227,9 +223,7 @@ def _protect_inputs(
         and file.resolve() == (out / SESSION_FILE).resolve()
     ):
         raise click.UsageError("the report would replace the session file; give another --out")
-    refuse_among_inputs(out, session)
-    check_folder(out, names)
-    refuse_to_replace((out / name for name in names if name != SESSION_FILE), files_read(session))
+    check_output_folder(out, names, session)
 
 
 @click.command(
@@ -243,8 +237,7 @@ def _protect_inputs(
 @grouped_option(
     OUTPUT,
     "--out",
-    type=click.Path(file_okay=False, path_type=Path),
-    metavar="DIR",
+    type=FOLDER,
     help="Write findings.csv and finding_entries.csv, the whole audit, into this folder, and "
     "estimated horizons as horizons.csv, which --recordings reads.",
 )
@@ -282,19 +275,18 @@ def check(out: Path | None, strict: bool, **options: Any) -> None:
             pictures = "" if opened is None else render_pictures(pictures_table(dataset, opened))
         if out is not None:
             write_audit(out, dataset, findings)
-    path = shown_paths(session.folder, session.sources, dataset.systems)
-    click.echo(render_dataset(_for_terminal(dataset, path)))
+    click.echo(render_dataset(_for_terminal(session, dataset)))
     for text in (pictures, render_horizons(dataset)):
         if text:
             click.echo(text)
-    click.echo("\n" + render_findings(findings_shown(findings, path, dataset.compared())))
-    if out is not None:
-        click.echo(one_line(f"written to {out}"), err=True)
+    click.echo("\n" + render_findings(shown_findings(session, dataset, findings)))
+    say_written(out)
     exit_on_findings(findings, strict)
 
 
-def _for_terminal(dataset: Dataset, path: ShownPath, *, longest: int | None = None) -> Dataset:
+def _for_terminal(session: Session, dataset: Dataset, *, longest: int | None = None) -> Dataset:
     """Replace file paths and conversions in a dataset's inputs by what the terminal shows."""
+    path = shown_paths(session.folder, session.sources, dataset.systems)
     inputs = dataset.inputs
     changed = inputs.assign(
         file=[path(*names) for names in zip(inputs["subject"], inputs["file"], strict=True)],

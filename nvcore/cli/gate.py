@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from nvcore.arguments import OUTPUT
+from nvcore.arguments import FOLDER, OUTPUT
 from nvcore.cli.options import (
     GroupedCommand,
     examples,
@@ -24,8 +24,7 @@ from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
     compare_session,
     errors_of,
-    findings_shown,
-    shown_paths,
+    shown_findings,
 )
 from nvcore.errors import InputError, NvcoreError
 from nvcore.output.files import write_whole
@@ -115,8 +114,7 @@ def _file_type() -> click.Path:
 @grouped_option(
     OUTPUT,
     "--out",
-    type=click.Path(file_okay=False, path_type=Path),
-    metavar="DIR",
+    type=FOLDER,
     help="Write the outcomes as gate.xml (JUnit) and gate.md into this folder.",
 )
 @grouped_option(
@@ -182,8 +180,7 @@ def gate(
         result, findings = compare_session(session)
     names = measure_names() if lists else ()
     outcomes, values = run_gate(gate_rules, result, findings, strict=strict, names=names)
-    path = shown_paths(session.folder, session.sources, result.dataset.systems)
-    findings = findings_shown(findings, path, result.dataset.compared())
+    findings = shown_findings(session, result.dataset, findings)
     click.echo(render_findings(findings), err=is_machine_read)
     if lists:
         listed = listed_names(result, values)

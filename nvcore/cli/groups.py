@@ -7,10 +7,10 @@ from typing import Any
 
 import click
 
-from nvcore.arguments import OUTPUT
+from nvcore.arguments import FILE, FOLDER, OUTPUT
 from nvcore.arguments.groups import GroupArguments
 from nvcore.cli.options import command, grouped_option, options_of
-from nvcore.wording import one_line
+from nvcore.cli.steps import say_written
 
 # As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
 
@@ -21,13 +21,12 @@ from nvcore.wording import one_line
     "nvcore groups drives.csv --measure violations --rename control=",
     "nvcore groups means.csv --correlation 0.7 --difference 300",
 )
-@click.argument("table", type=click.Path(dir_okay=False, path_type=Path))
+@click.argument("table", type=FILE)
 @options_of(GroupArguments)
 @grouped_option(
     OUTPUT,
     "--out",
-    type=click.Path(file_okay=False, path_type=Path),
-    metavar="DIR",
+    type=FOLDER,
     help="Write the tables as CSV, and groups.json, into this folder.",
 )
 @grouped_option(OUTPUT, "--json", "as_json", is_flag=True, help="Print groups.json.")
@@ -52,5 +51,4 @@ def groups(table: Path, out: Path | None, as_json: bool, **options: Any) -> None
     if out is not None:
         write_groups(out, comparison)
     click.echo(groups_json(comparison) if as_json else str(comparison), nl=not as_json)
-    if out is not None:
-        click.echo(one_line(f"written to {out}"), err=True)
+    say_written(out)

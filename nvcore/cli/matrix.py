@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from nvcore.arguments import OUTPUT
+from nvcore.arguments import FOLDER, OUTPUT
 from nvcore.cli.options import (
     command,
     grouped_option,
@@ -18,12 +18,12 @@ from nvcore.cli.options import (
 from nvcore.cli.progress import TerminalProgress
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
+    check_output_folder,
     errors_of,
     exit_on_findings,
-    findings_shown,
-    shown_paths,
+    say_written,
+    shown_findings,
 )
-from nvcore.wording import one_line
 
 # As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
 
@@ -38,8 +38,7 @@ from nvcore.wording import one_line
 @grouped_option(
     OUTPUT,
     "--out",
-    type=click.Path(file_okay=False, path_type=Path),
-    metavar="DIR",
+    type=FOLDER,
     help="Write matrix.csv and matrix.json into this folder.",
 )
 @grouped_option(
@@ -58,16 +57,12 @@ def matrix(out: Path | None, as_json: bool, strict: bool, **options: Any) -> Non
     from nvcore.auditing import audit
     from nvcore.evidence.pairwise import pairwise_table, thresholds_in_use
     from nvcore.inputs.load import load
-    from nvcore.output.files import check_folder
     from nvcore.report.matrix import MATRIX_FILES, matrix_json, render_matrix, write_matrix
-    from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
     from nvcore.report.terminal import render_findings
 
     session = session_from(options, needs_y=True)
     if out is not None:
-        refuse_among_inputs(out, session)
-        refuse_to_replace((out / name for name in MATRIX_FILES), files_read(session))
-        check_folder(out, MATRIX_FILES)
+        check_output_folder(out, MATRIX_FILES, session)
     n_systems = len(session.systems)
     n_steps = 4 + n_systems + n_systems * (n_systems - 1) // 2
     with errors_of(session), TerminalProgress(n_steps) as steps:
@@ -79,11 +74,9 @@ def matrix(out: Path | None, as_json: bool, strict: bool, **options: Any) -> Non
         table = pairwise_table(dataset, params, thresholds=thresholds, progress=steps)
         if out is not None:
             write_matrix(out, dataset, params, table)
-    path = shown_paths(session.folder, session.sources, dataset.systems)
-    shown = findings_shown(findings, path, dataset.compared())
+    shown = shown_findings(session, dataset, findings)
     click.echo(render_findings(shown) + "\n", err=as_json)
     text = matrix_json(dataset, params, table) if as_json else render_matrix(table)
     click.echo(text, nl=not as_json)
-    if out is not None:
-        click.echo(one_line(f"written to {out}"), err=True)
+    say_written(out)
     exit_on_findings(findings, strict)

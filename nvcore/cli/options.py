@@ -12,6 +12,7 @@ import click
 from nvcore.arguments import (
     CORRECTIONS,
     FACTS,
+    FILE,
     FRAMES,
     INPUTS,
     OTHER,
@@ -87,7 +88,7 @@ def session_argument(*, required: bool = True) -> Callable[[Callable[..., Any]],
     return click.argument(
         "session_file",
         required=required,
-        type=click.Path(dir_okay=False, path_type=Path),
+        type=FILE,
         metavar="SESSION_FILE" if required else "[SESSION_FILE]",
     )
 

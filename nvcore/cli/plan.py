@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from nvcore.arguments import OUTPUT
+from nvcore.arguments import FILE, OUTPUT
 from nvcore.arguments.plan import PlanArguments
 from nvcore.cli.options import (
     arguments_of,
@@ -25,8 +25,8 @@ from nvcore.cli.steps import (
     compare_session,
     errors_of,
     exit_on_findings,
-    findings_shown,
-    shown_paths,
+    say_written,
+    shown_findings,
 )
 from nvcore.output.files import write_whole
 from nvcore.wording import one_line
@@ -44,7 +44,7 @@ from nvcore.wording import one_line
 @grouped_option(
     OUTPUT,
     "--out",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=FILE,
     metavar="FILE.json",
     help="Write the plan as JSON into this file.",
 )
@@ -88,12 +88,10 @@ def plan(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
         raise InputError(plan.sizes[0].reason)
     if out is not None:
         write_whole(out, plan_json(plan).encode())
-    path = shown_paths(session.folder, session.sources, result.dataset.systems)
-    shown = findings_shown(findings, path, result.dataset.compared())
+    shown = shown_findings(session, result.dataset, findings)
     click.echo(render_findings(shown) + "\n", err=as_json)
     click.echo(plan_json(plan) if as_json else render_plan(plan), nl=not as_json)
-    if out is not None:
-        click.echo(one_line(f"written to {out}"), err=True)
+    say_written(out)
     exit_on_findings(findings, strict)
 
 

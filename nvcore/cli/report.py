@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from nvcore.arguments import OUTPUT
+from nvcore.arguments import FILE, OUTPUT
 from nvcore.arguments.report import HtmlArguments, Inscription
 from nvcore.cli.options import (
     arguments_of,
@@ -27,11 +27,10 @@ from nvcore.cli.steps import (
     compare_session,
     errors_of,
     exit_on_findings,
-    findings_shown,
-    shown_paths,
+    say_written,
+    shown_findings,
 )
 from nvcore.extras import needs
-from nvcore.wording import one_line
 
 
 @command("Write the comparison as one HTML file.", "nvcore report night.toml --out night.html")
@@ -42,7 +41,7 @@ from nvcore.wording import one_line
 @grouped_option(
     OUTPUT,
     "--out",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=FILE,
     metavar="FILE.html",
     default=Path("report.html"),
     show_default=True,
@@ -81,7 +80,6 @@ def report(out: Path, strict: bool, **options: Any) -> None:
                 inscription=arguments_of(Inscription, options),
                 progress=progress,
             )
-    path = shown_paths(session.folder, session.sources, result.dataset.systems)
-    click.echo(render_findings(findings_shown(findings, path, result.dataset.compared())))
-    click.echo(one_line(f"written to {out}"), err=True)
+    click.echo(render_findings(shown_findings(session, result.dataset, findings)))
+    say_written(out)
     exit_on_findings(findings, strict)

@@ -8,8 +8,8 @@ import click
 
 from nvcore.cli.app import dashboard
 from nvcore.cli.options import examples
+from nvcore.cli.steps import say_written
 from nvcore.errors import InputError
-from nvcore.wording import one_line
 
 
 @click.command(
@@ -32,4 +32,4 @@ def sample(folder: Path) -> None:
             copy.write_bytes(path.read_bytes())
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror})", file=folder) from error
-    click.echo(one_line(f"written to {folder}"), err=True)
+    say_written(folder)

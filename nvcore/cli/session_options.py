@@ -11,7 +11,7 @@ import click
 from nvcore.cli.options import flag_of
 from nvcore.errors import SessionError
 from nvcore.inputs.changes import override_recordings
-from nvcore.inputs.facts import is_frame_range, parse_size
+from nvcore.inputs.facts import frames_from, parse_size
 from nvcore.inputs.session import (
     SYSTEM_KEYS_OF_SUBJECTS,
     RecordingsFile,
@@ -48,22 +48,19 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
     NvcoreError
         If the session file or a value cannot be used.
     """
+    from nvcore.measures.table import choose_primary
+
     given = {name: options[name] for name in SETTINGS if options.get(name) is not None}
     make = _from_flags if options["session_file"] is None else _from_file
     session = make(options, given, needs_y=needs_y)
-    session = _with_primary(session, options.get("primary"))
-    point = options.get("operating_point") or session.operating_point
-    session = replace(session, operating_point=point)
+    session = replace(
+        session,
+        primary=choose_primary(session.primary, options.get("primary")),
+        operating_point=options.get("operating_point") or session.operating_point,
+    )
     for name in session.params.without_effect:
         click.echo(_without_effect(name, session.params), err=True)
     return session
-
-
-def _with_primary(session: Session, name: str | None) -> Session:
-    """The session with the primary measure of the flag, or its own checked."""
-    from nvcore.measures.table import choose_primary
-
-    return replace(session, primary=choose_primary(session.primary, name))
 
 
 def _without_effect(name: str, params: Params) -> str:
@@ -136,7 +133,7 @@ def _with_facts(session: Session, options: dict[str, Any]) -> Session:
         session,
         size=size_option(options),
         fps=options["fps"],
-        frames=None if options["frames"] is None else frames_option(options["frames"]),
+        frames=frames_from(options["frames"]),
     )
 
 
@@ -266,8 +263,3 @@ def source_options(options: dict[str, Any], side: str = "") -> dict[str, Any]:
         "frame_names": frame_names,
         **bases,
     }
-
-
-def frames_option(text: str) -> str:
-    """A frame list file named by flag is relative to where the command runs."""
-    return text if is_frame_range(text) else str(Path.cwd() / text)

@@ -8,6 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import click
+
 from nvcore.cli.progress import TerminalProgress
 from nvcore.cli.remedies import suggestion_text, ways_text
 from nvcore.errors import InputError, MissingFactError
@@ -183,6 +185,49 @@ def _usual(session: Session) -> UsualInputs | None:
     with suppress(InputError):
         return USUAL_INPUTS.get(find_files(session.truth, session.folder, "truth")[1].name)
     return None
+
+
+def shown_findings(
+    session: Session, dataset: Dataset, findings: tuple[Finding, ...]
+) -> tuple[Finding, ...]:
+    """Return the findings on the dataset of a session as `findings_shown` words them."""
+    path = shown_paths(session.folder, session.sources, dataset.systems)
+    return findings_shown(findings, path, dataset.compared())
+
+
+def check_output_folder(
+    out: Path, names: Iterable[str], session: Session, *inputs: Path | None
+) -> None:
+    """Refuse to write files of these names into a folder of inputs, or over an input.
+
+    An earlier session.toml may be replaced.
+
+    Parameters
+    ----------
+    inputs
+        Files that are read besides those of the session.
+
+    Raises
+    ------
+    InputError
+        If one would be replaced, or the folder cannot be written to.
+    """
+    from nvcore.output.files import check_folder
+    from nvcore.report.files import SESSION_FILE
+    from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
+
+    names = [*names]
+    refuse_among_inputs(out, session)
+    check_folder(out, names)
+    files = [path for path in inputs if path is not None]
+    outputs = (out / name for name in names if name != SESSION_FILE)
+    refuse_to_replace(outputs, [*files_read(session), *files])
+
+
+def say_written(out: Path | None, what: str = "") -> None:
+    """Print on the error stream where an output is, if it was written."""
+    if out is not None:
+        click.echo(one_line(f"{what}written to {out}"), err=True)
 
 
 @contextmanager

@@ -11,6 +11,7 @@ import click
 
 from nvcore.arguments import (
     FACTS,
+    FOLDER,
     FRAMES,
     INPUTS,
     OUTPUT,
@@ -55,8 +56,7 @@ class DetectArguments(Part):
     out: PathLike = argument(
         OUTPUT,
         "Write the boxes, how they were made, and session.toml into this folder.",
-        type=click.Path(file_okay=False, path_type=Path),
-        metavar="DIR",
+        type=FOLDER,
     )
     _: KW_ONLY
     settings: Mapping[str, Setting | Sequence[Setting]] | None = argument(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from nvcore.arguments import INPUTS, OUTPUT, Part, PathLike, argument, arguments
+from nvcore.arguments import FILE, FOLDER, INPUTS, OUTPUT, Part, PathLike, argument, arguments
 from nvcore.progress import Progress, no_progress
 
 if TYPE_CHECKING:
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 VIEW: Final = "What is seen"
 SEARCH: Final = "Search"
-
-_FILE: Final = click.Path(dir_okay=False, path_type=Path)
 
 
 @arguments
@@ -74,14 +72,12 @@ class EstimateArguments(_RunArguments):
         INPUTS,
         "An estimator that nvcore driver train wrote (.npz), or sample: that of the sample's "
         "simulated observer.",
-        type=_FILE,
-        metavar="FILE",
+        type=FILE,
     )
     out: PathLike = argument(
         OUTPUT,
         "Write detectability.csv, features.csv, driver.json, and session.toml into this folder.",
-        type=click.Path(file_okay=False, path_type=Path),
-        metavar="DIR",
+        type=FOLDER,
     )
     _: KW_ONLY
     interpolate: bool = argument(
@@ -114,8 +110,7 @@ class TrialArguments:
     features: PathLike = argument(
         INPUTS,
         "Features of the pictures, as nvcore driver features --images writes them (CSV).",
-        type=_FILE,
-        metavar="FILE",
+        type=FILE,
     )
     _: KW_ONLY
     boxes: PathLike | None = argument(
@@ -123,8 +118,7 @@ class TrialArguments:
         "Where the pedestrians are: image,pedestrian,x,y,w,h (CSV). Default: the columns x,y,w,h "
         "of the features.",
         default=None,
-        type=_FILE,
-        metavar="FILE",
+        type=FILE,
     )
     judging: Judging | None = None
     leave_out: Sequence[str] = argument(
@@ -178,14 +172,13 @@ class EvaluateArguments(TrialArguments):
         OUTPUT,
         "Write the tables into this folder (CSV).",
         default=None,
-        type=click.Path(file_okay=False, path_type=Path),
-        metavar="DIR",
+        type=FOLDER,
     )
     _: KW_ONLY
     html: PathLike | None = argument(
         OUTPUT,
         "Write figures and tables as one HTML page.",
         default=None,
-        type=_FILE,
+        type=FILE,
         metavar="FILE.html",
     )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from nvcore.arguments import INPUTS
+from nvcore.arguments import FILE, INPUTS
 from nvcore.cli.options import (
     PairOf,
     check_html_name,
@@ -21,7 +21,7 @@ from nvcore.cli.options import (
     with_options,
 )
 from nvcore.cli.progress import ShareProgress
-from nvcore.cli.steps import job_on
+from nvcore.cli.steps import job_on, say_written
 from nvcore.driver.arguments import (
     VIEW,
     EstimateArguments,
@@ -105,8 +105,7 @@ _setting_options = with_options(
 @grouped_option(
     INPUTS,
     "--boxes",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
+    type=FILE,
     help="Their pedestrians: image,pedestrian,x,y,w,h[,fixation_x,fixation_y] (CSV).",
 )
 @options_of(FeatureArguments)
@@ -138,7 +137,7 @@ def features(
                 progress=progress,
             )
         click.echo(str(table))
-        click.echo(one_line(f"written to {options['out']}"), err=True)
+        say_written(options["out"])
         return
     assert session_file is not None
     written = _run(session_file, FeatureArguments, options)
@@ -163,12 +162,11 @@ def estimate(session_file: Path, **options: Any) -> None:
     """
     written = _run(session_file, EstimateArguments, options)
     click.echo(str(written.run))
-    click.echo(one_line(f"written to {options['out']}"), err=True)
+    say_written(options["out"])
     click.echo(one_line(f"compare: nvcore compare {written.session}"), err=True)
 
 
 _ANGLE: Final = ("distance_mm", "shown_width_mm", "picture_width_px")
-_File = click.Path(dir_okay=False, path_type=Path)
 _LENGTH = click.FloatRange(0, min_open=True)
 
 _JUDGING: Final = (
@@ -213,7 +211,7 @@ def say_how_to_leave_out(table: TrainingTable) -> None:
     "Train an estimator on trials with people.",
     "nvcore driver train trials.csv --features features.csv --boxes boxes.csv --out driver.npz",
 )
-@click.argument("trials", type=_File)
+@click.argument("trials", type=FILE)
 @_judging_options
 @options_of(TrainArguments)
 def train(trials: Path, out: Path, **options: Any) -> None:
@@ -242,7 +240,7 @@ def train(trials: Path, out: Path, **options: Any) -> None:
     "nvcore driver evaluate trials.csv --features features.csv --boxes boxes.csv --out tables",
     "nvcore driver evaluate trials.csv --features features.csv --html evaluation.html",
 )
-@click.argument("trials", type=_File)
+@click.argument("trials", type=FILE)
 @_judging_options
 @options_of(EvaluateArguments)
 def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) -> None:
@@ -264,10 +262,8 @@ def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) 
         evaluation = evaluate_driver(trials, out=out, html=html, progress=progress, **options)
     click.echo(render_evaluation(evaluation))
     say_how_to_leave_out(evaluation.table)
-    if out is not None:
-        click.echo(one_line(f"tables written to {out}"), err=True)
-    if html is not None:
-        click.echo(one_line(f"figures written to {html}"), err=True)
+    say_written(out, "tables ")
+    say_written(html, "figures ")
 
 
 def _judged(options: dict[str, Any]) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from urllib.parse import urlencode
 
 import click
 
-from nvcore.arguments import OUTPUT, pairs_of
+from nvcore.arguments import FILE, OUTPUT, pairs_of
 from nvcore.cli.app import serve
 from nvcore.cli.options import (
     command,
@@ -28,7 +28,7 @@ from nvcore.cli.options import (
 from nvcore.cli.program import EXIT_BAD_INPUT, program
 from nvcore.cli.progress import ShareProgress, step_lines
 from nvcore.cli.session_options import session_from
-from nvcore.cli.steps import EXIT_FINDINGS, errors_of
+from nvcore.cli.steps import EXIT_FINDINGS, errors_of, say_written
 from nvcore.errors import InputError
 from nvcore.fleet.calls import RUN, OpenArguments, ScanArguments, TopArguments
 from nvcore.output.files import write_whole
@@ -197,7 +197,7 @@ def scan(**options: Any) -> None:
         click.echo("the same command goes on where it was", err=True)
         raise
     click.echo(done)
-    click.echo(one_line(f"written to {options['out']}"), err=True)
+    say_written(options["out"])
     if done.status.n_quarantined:
         raise SystemExit(EXIT_FINDINGS)
 
@@ -213,7 +213,7 @@ def scan(**options: Any) -> None:
 @grouped_option(
     OUTPUT,
     "--out",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=FILE,
     metavar="CSV",
     help="Write the rows with all columns into this file.",
 )
@@ -241,7 +241,7 @@ def top(out: Path | None, **options: Any) -> None:
         click.echo(one_line(line + opening))
     if out is not None:
         write_whole(out, to_csv_bytes(found.table))
-        click.echo(one_line(f"written to {out}"), err=True)
+        say_written(out)
 
 
 @command(
@@ -271,7 +271,7 @@ def open_(at: int | None, port: int | None, no_browser: bool, **options: Any) ->
         if at is not None or port is not None or no_browser:
             raise click.UsageError("--out starts nothing; leave out --at, --port, --no-browser")
         session = export_recording(**options)
-        click.echo(one_line(f"written to {session}"), err=True)
+        say_written(session)
         return
     with tempfile.TemporaryDirectory(prefix="nvcore-") as folder:
         session = export_recording(**options | {"out": folder})

@@ -71,9 +71,6 @@ def convert(arguments: ConvertArguments) -> Conversion:
         File to write; of MOTChallenge with several recordings a folder.
     to
         ``csv``, ``parquet``, ``coco`` or ``mot``; None: as the ending of the target's name says.
-    frames_out
-        Where to write the evaluated frames of the truth: a file, or a folder if the recordings
-        differ in them.
     size
         Of pictures whose size the files do not say, px.
     objects

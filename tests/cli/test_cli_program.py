@@ -22,10 +22,20 @@ from nvcore.errors import InputError
 from nvcore.params import SETTINGS
 
 
-def test_help_starts_without_numpy():
-    code = "import nvcore.cli, sys; print('numpy' in sys.modules, 'pandas' in sys.modules)"
+def test_help_starts_without_what_only_a_command_needs():
+    code = (
+        "from nvcore.cli import main; import sys; "
+        "print({'numpy', 'pandas', 'jinja2', 'cv2'} & {*sys.modules})"
+    )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
-    assert run.stdout == "False False\n", run.stderr
+    assert run.stdout == "set()\n", run.stderr
+
+
+@pytest.mark.parametrize("subject", ["alerts", "detectors", "driver", "fleet"])
+def test_the_commands_of_a_subject_can_be_imported_first(subject: str):
+    code = f"import nvcore.{subject}.commands"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert run.returncode == 0, run.stderr
 
 
 def test_python_dash_m_nvcore_is_the_command_line():

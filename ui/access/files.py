@@ -11,7 +11,7 @@ import glob
 import os
 import re
 import unicodedata
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from itertools import islice, takewhile
@@ -186,9 +186,7 @@ def check_confined(session: Session, root: Path) -> None:
             )
 
 
-def local_root(
-    arguments: Sequence[str] | None = None, environment: Mapping[str, str] | None = None
-) -> LocalRoot | None:
+def local_root() -> LocalRoot | None:
     """Return the folder given at start, or None if the server's files are out of reach.
 
     Raises
@@ -196,5 +194,5 @@ def local_root(
     InputError
         If there is no such folder.
     """
-    folder = argument(FLAG, ENVIRONMENT, arguments, environment)
+    folder = argument(FLAG, ENVIRONMENT)
     return LocalRoot(Path(folder)) if folder else None

@@ -1,17 +1,9 @@
 """How visitors log in, as the operator sets it up; nobody has to where it is not.
 
-    [auth]                        # as Streamlit's st.login takes it, in a TOML file
-    redirect_uri = "https://tools.example.com/nvcore/oauth2callback"
-    cookie_secret = "..."         # 32 random characters or more
-    client_id = "nvcore"
-    client_secret = "..."
-    server_metadata_url = "https://id.example.com/.well-known/openid-configuration"
-    allow = ["example.com", "anna@partner.example"]
-    hours = 12
-
-The file is the one that ``nvcore app --login FILE`` or `VARIABLE` names, else Streamlit's own
-``secrets.toml``. What is wrong with it ends the start: a server never opens without the log-in
-that was asked for.
+The section ``[auth]`` of a TOML file has the keys of Streamlit's ``st.login``, and two of our own,
+``allow`` and ``hours`` (docs/hosting.md). The file is the one that ``nvcore app --login FILE`` or
+`VARIABLE` names, else Streamlit's own ``secrets.toml``. What is wrong with it ends the start: a
+server never opens without the log-in that was asked for.
 """
 
 from __future__ import annotations

@@ -56,7 +56,9 @@ class OwnPages:
         headers = Headers(scope=scope)
         host, origin = headers.get("host"), headers.get("origin")
         is_read = scope["type"] == "http" and scope["method"] in SAFE
-        if is_own_host(host) and (is_read or is_own_origin(origin, host)):
+        is_foreign = origin is None and headers.get("sec-fetch-site") in ("cross-site", "same-site")
+        is_ours = is_own_origin(origin, host) and not is_foreign
+        if is_own_host(host) and (is_read or is_ours):
             await self.app(scope, receive, send)
         elif scope["type"] == "websocket":
             await _refuse(receive, send)
@@ -112,8 +114,10 @@ class Gate:
         if person is None or not person.may_enter:
             return self._refusal(connection, scope["method"], person, settings)
         upload = server.UPLOAD.search(path)
-        if upload is not None and not _may_upload(upload["session"], person.key):
-            return text_answer(HTTPStatus.FORBIDDEN, "this session belongs to someone else")
+        if upload is not None:
+            space = workspace_of_session(upload["session"])
+            if space is None or not is_same(space.owner, person.key):
+                return text_answer(HTTPStatus.FORBIDDEN, "this session belongs to someone else")
         wanted = unquote(connection.cookies.get(WANTED, ""))
         if path in (self._base, f"{self._base}/") and wanted:
             known = is_own_address(wanted, self._base)
@@ -157,7 +161,7 @@ class Gate:
     async def _connect(
         self, cookies: dict[str, str], scope: Scope, receive: Receive, send: Send
     ) -> None:
-        protocol, session = server.protocol_and_session(Headers(scope=scope))
+        protocol, _, session = server.parse_subprotocols(Headers(scope=scope))
         key = key_of(cookies)
         if key is None or not _may_reconnect(session, key):
             if not scope["path"].endswith(server.STREAM) or not protocol:
@@ -185,13 +189,7 @@ class Gate:
         await self.app(scope, receive_from_person, send_to_person)
 
 
-def _may_upload(session: str, key: str) -> bool:
-    """Whether this person may upload annotation files to this Streamlit session."""
-    space = workspace_of_session(session)
-    return space is not None and is_same(space.owner, key)
-
-
-def _may_reconnect(session: str, key: str) -> bool:
+def _may_reconnect(session: str | None, key: str) -> bool:
     """Whether this person may reconnect to the session."""
     space = workspace_of_session(session) if session else None
     return space is None or is_same(space.owner, key)

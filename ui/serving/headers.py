@@ -1,21 +1,17 @@
-"""Security headers of every answer, and status 404 for unknown pages."""
+"""Security headers of every answer."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
 import os
-from collections.abc import Collection
-from http import HTTPStatus
 from typing import Final
 
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from ui.settings.start import base_path
-from ui.streamlit_inside.server import FILES, inline_scripts
+from ui.streamlit_inside.server import inline_scripts
 
-HTML: Final = "text/html"
 FRAMED_BY: Final = "NVCORE_FRAME_ANCESTORS"
 """Sites that may embed the app, as in a content security policy; default: itself."""
 
@@ -26,9 +22,11 @@ def content_policy(framed_by: str = "'self'") -> str:
     Scripts and data come from the app only. Inline styles are allowed because Streamlit and Plotly
     write them; blobs, because the viewer's script and the colour maps are blobs.
     """
+    digests = (hashlib.sha256(script.encode()).digest() for script in inline_scripts())
+    hashes = " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests)
     sources = {
         "default-src": "'self'",
-        "script-src": f"'self' blob: 'wasm-unsafe-eval' {' '.join(_inline_script_hashes())}",
+        "script-src": f"'self' blob: 'wasm-unsafe-eval' {hashes}",
         "style-src": "'self' 'unsafe-inline'",
         "img-src": "'self' data: blob:",
         "media-src": "'self' data: blob:",
@@ -41,12 +39,6 @@ def content_policy(framed_by: str = "'self'") -> str:
         "frame-ancestors": framed_by,
     }
     return "; ".join(f"{name} {value}" for name, value in sources.items())
-
-
-def _inline_script_hashes() -> list[str]:
-    """Hashes of the inline scripts in Streamlit's index.html, as a policy lists them."""
-    hashes = (hashlib.sha256(script.encode()).digest() for script in inline_scripts())
-    return [f"'sha256-{base64.b64encode(digest).decode()}'" for digest in hashes]
 
 
 class SecureHeaders:
@@ -76,30 +68,3 @@ class SecureHeaders:
             await send(message)
 
         await self.app(scope, receive, send_with_headers)
-
-
-class KnownPages:
-    """Sets status 404 for unknown pages, which Streamlit answers with its index page and 200.
-
-    Parameters
-    ----------
-    pages
-        Page names as they appear in addresses.
-    """
-
-    def __init__(self, app: ASGIApp, pages: Collection[str]):
-        self.app, self._pages, self._base = app, {"", "index.html", *pages}, base_path()
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """ASGI."""
-        name = str(scope.get("path", "")).removeprefix(self._base).strip("/")
-        is_known = name in self._pages or name.partition("/")[0] in FILES
-
-        async def send_with_status(message: Message) -> None:
-            if message["type"] == "http.response.start" and message["status"] == HTTPStatus.OK:
-                is_page = MutableHeaders(scope=message).get("content-type", "").startswith(HTML)
-                message["status"] = HTTPStatus.NOT_FOUND if is_page else HTTPStatus.OK
-            await send(message)
-
-        is_asked = scope["type"] == "http" and not is_known
-        await self.app(scope, receive, send_with_status if is_asked else send)

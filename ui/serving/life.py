@@ -76,7 +76,8 @@ async def lifespan(_app: Any) -> AsyncIterator[None]:
     lifetime.close_sessions_on(asyncio.get_running_loop())
     watch_for_shutdown()
     guard_connections()
-    start_preparing()
+    # early visitors wait for whatever is not ready yet
+    threading.Thread(target=_prepare, name="prepare", daemon=True).start()
     deleting = asyncio.create_task(keep_deleting_ended())
     try:
         yield
@@ -121,11 +122,6 @@ def settle_memory() -> None:
     """
     gc.collect()
     gc.freeze()
-
-
-def start_preparing() -> None:
-    """Prepare in a background thread. Early visitors wait for whatever is not ready yet."""
-    threading.Thread(target=_prepare, name="prepare", daemon=True).start()
 
 
 def _prepare() -> None:

@@ -1,22 +1,25 @@
-"""Puts the app's styles into Streamlit's page, so that nothing is ever drawn unstyled.
+"""Streamlit's page with the app's styles in it, so that nothing is ever drawn unstyled.
 
 Written by the app they would arrive after the first tiles, which would then jump.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from http import HTTPStatus
 from typing import Final
 
-from starlette.datastructures import Headers, MutableHeaders
+from starlette.datastructures import Headers
+from starlette.responses import HTMLResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from ui.session.state import ROOT
-from ui.streamlit_inside.server import with_styles
+from ui.settings.start import base_path
+from ui.streamlit_inside.server import FILES, page_with
 
 SHEETS: Final = ("style", "measures")
-CONDITIONS: Final = ("accept-encoding", "if-none-match", "if-modified-since")
-"""Request headers that would bring the page compressed, or a 304 for Streamlit's unchanged file."""
-VALIDATORS: Final = ("etag", "last-modified")
+CONDITIONS: Final = (b"if-none-match", b"if-modified-since")
+"""Request headers that would bring a 304 for Streamlit's unchanged file."""
 
 
 def styles() -> str:
@@ -25,48 +28,40 @@ def styles() -> str:
     return f"<style>\n{''.join(sheet.read_text(encoding='utf-8') for sheet in sheets)}</style>\n"
 
 
-class OwnStyles:
-    """Adds the styles to the end of every page."""
+class StyledPages:
+    """Sends the styled page in place of Streamlit's, with status 404 at unknown addresses.
 
-    def __init__(self, app: ASGIApp):
-        self.app, self._styles = app, styles().encode()
+    Streamlit answers those with its page and status 200.
+
+    Parameters
+    ----------
+    pages
+        Page names as they appear in addresses.
+    """
+
+    def __init__(self, app: ASGIApp, pages: Collection[str] = ()):
+        self.app, self._pages, self._base = app, {"", "index.html", *pages}, base_path()
+        self._page = page_with(styles())
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """ASGI."""
-        is_read = scope["type"] == "http" and scope["method"] == "GET"
-        if not is_read or "text/html" not in Headers(scope=scope).get("accept", ""):
+        name = str(scope.get("path", "")).removeprefix(self._base).strip("/")
+        if scope["type"] != "http" or name.partition("/")[0] in FILES:
             await self.app(scope, receive, send)
             return
-        asked = MutableHeaders(raw=list(scope["headers"]))
-        for name in CONDITIONS:
-            del asked[name]
-        start: Message = {}
-        body = bytearray()
+        status = HTTPStatus.OK if name in self._pages else HTTPStatus.NOT_FOUND
+        page = HTMLResponse(self._page, status, {"Cache-Control": "no-cache"})
+        is_page = False
 
-        async def send_with_styles(message: Message) -> None:
+        async def send_styled(message: Message) -> None:
+            nonlocal is_page
             if message["type"] == "http.response.start":
-                if (
-                    not Headers(raw=message["headers"])
-                    .get("content-type", "")
-                    .startswith("text/html")
-                ):
-                    await send(message)
-                else:
-                    start.update(message)
-            elif not start:
+                kind = Headers(raw=message["headers"]).get("content-type", "")
+                is_page = message["status"] == HTTPStatus.OK and kind.startswith("text/html")
+                if is_page:
+                    await page(scope, receive, send)
+            if not is_page:
                 await send(message)
-            else:
-                body.extend(message.get("body", b""))
-                if not message.get("more_body"):
-                    await self._send_page(start, bytes(body), send)
 
-        await self.app({**scope, "headers": asked.raw}, receive, send_with_styles)
-
-    async def _send_page(self, start: Message, page: bytes, send: Send) -> None:
-        styled = with_styles(page, self._styles)
-        headers = MutableHeaders(raw=list(start["headers"]))
-        headers["content-length"] = str(len(styled))
-        for name in VALIDATORS:
-            del headers[name]
-        await send({**start, "headers": headers.raw})
-        await send({"type": "http.response.body", "body": styled})
+        headers = [header for header in scope["headers"] if header[0] not in CONDITIONS]
+        await self.app({**scope, "headers": headers}, receive, send_styled)

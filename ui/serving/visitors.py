@@ -12,6 +12,7 @@ import os
 import secrets
 import time
 from collections import Counter
+from contextlib import suppress
 from http import HTTPStatus
 from ipaddress import IPv6Address, ip_address
 from pathlib import Path
@@ -175,16 +176,6 @@ def _address(scope: Scope) -> str:
     return str(address)
 
 
-async def _receive_until(receive: Receive, until: float) -> Message:
-    """The next message; a disconnect at the time `until` (`time.monotonic`) or at shutdown."""
-    message = asyncio.ensure_future(receive())
-    while not is_shutting_down() and (left_s := until - time.monotonic()) > 0:
-        if (await asyncio.wait({message}, timeout=min(POLL_S, left_s)))[0]:
-            return message.result()
-    message.cancel()
-    return {"type": "http.disconnect"}
-
-
 def _with_timeout(receive: Receive) -> Receive:
     """Pass messages on, but treat silent or too slow clients as gone, and all at shutdown."""
     begin, n_bytes, is_whole = time.monotonic(), 0, False
@@ -194,7 +185,11 @@ def _with_timeout(receive: Receive) -> Receive:
         if is_whole:
             return await receive()
         until = min(time.monotonic(), begin + n_bytes / MIN_BYTES_PER_S) + IDLE_S
-        message = await _receive_until(receive, until)
+        message: Message = {"type": "http.disconnect"}
+        while not is_shutting_down() and (left_s := until - time.monotonic()) > 0:
+            with suppress(TimeoutError):
+                message = await asyncio.wait_for(receive(), min(POLL_S, left_s))
+                break
         n_bytes += len(message.get("body", b""))
         is_whole = not message.get("more_body", False)
         return message

@@ -40,7 +40,6 @@ from nvcore.overlay.explain import explain_boxes
 from nvcore.pictures.base import Picture
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg, stretch
-from ui.access.origins import is_own_origin
 from ui.access.people import is_same, key_of
 from ui.answers import PRIVATE, text_answer
 from ui.session.address import finite_number
@@ -90,37 +89,19 @@ def index_in(request: Request, name: str) -> int:
     return int(text) if is_index else 10**MOST_DIGITS
 
 
-def for_owner(*, sent: str = "") -> Callable[[Handler], Answer]:
-    """Decorator of routes for a workspace's owner, which answer 404 once the session has ended.
+def for_owner(handle: Handler) -> Answer:
+    """Restrict a route to a workspace's owner, and answer 404 once the session has ended."""
 
-    Parameters
-    ----------
-    sent
-        What is sent, in the plural: only our own page may; empty: nothing is.
-    """
+    @wraps(handle)
+    async def route(request: Request) -> Response:
+        space, key = workspace_of(request.path_params["token"]), key_of(request.cookies)
+        if key is None or (space is not None and not is_same(space.owner, key)):
+            return say(HTTPStatus.FORBIDDEN, "log in as the one whose session this is")
+        if space is None:
+            return not_found("the session has ended; load the page again")
+        return await handle(request, space)
 
-    def guard(handle: Handler) -> Answer:
-        @wraps(handle)
-        async def route(request: Request) -> Response:
-            if sent and not _is_own_page(request):
-                return say(HTTPStatus.FORBIDDEN, f"{sent} come from the app's own page only")
-            key, space = key_of(request.cookies), workspace_of(request.path_params["token"])
-            if key is None or (space is not None and not is_same(space.owner, key)):
-                return say(HTTPStatus.FORBIDDEN, "log in as the one whose session this is")
-            if space is None:
-                return not_found("the session has ended; load the page again")
-            return await handle(request, space)
-
-        return route
-
-    return guard
-
-
-def _is_own_page(request: Request) -> bool:
-    """Whether the request comes from our own page; other programs send no origin."""
-    if request.headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
-        return False
-    return is_own_origin(request.headers.get("origin"), request.headers.get("host"))
+    return route
 
 
 def say(status: int, text: str) -> Response:
@@ -133,7 +114,7 @@ def not_found(text: str) -> Response:
     return say(HTTPStatus.NOT_FOUND, text)
 
 
-@for_owner()
+@for_owner
 async def frame(request: Request, space: Workspace) -> Response:
     """Picture of a row of a recording, its grey values stretched between two percentiles."""
     lo, hi = _percentile(request, "lo", 0.0), _percentile(request, "hi", 100.0)
@@ -142,7 +123,7 @@ async def frame(request: Request, space: Workspace) -> Response:
     return await _picture(request, space, space.pictures, lambda read: stretch(read, lo, hi))
 
 
-@for_owner()
+@for_owner
 async def visible(request: Request, space: Workspace) -> Response:
     """Visible-light picture of a row; with `seen_s`, as eyes see it that long after a change."""
     seen_s = _number(request, "seen_s", math.inf)
@@ -177,7 +158,7 @@ async def _picture(
     return Response(content, media_type="image/jpeg", headers=CACHED)
 
 
-@for_owner()
+@for_owner
 async def boxes(request: Request, space: Workspace) -> Response:
     """Boxes of a stretch of rows of a recording, as `pack_boxes` packs them."""
     if (compared := space.compared) is None:
@@ -194,7 +175,7 @@ async def boxes(request: Request, space: Workspace) -> Response:
     return Response(content, media_type="application/octet-stream", headers=headers)
 
 
-@for_owner()
+@for_owner
 async def comparison(request: Request, space: Workspace) -> Response:
     """The columns of `pack_comparison`, with which the browser follows a slider."""
     compared, version = space.compared, request.query_params.get("v")
@@ -205,9 +186,9 @@ async def comparison(request: Request, space: Workspace) -> Response:
     return Response(content, media_type="application/octet-stream", headers=CACHED)
 
 
-@for_owner()
+@for_owner
 async def reasons(request: Request, space: Workspace) -> Response:
-    """What each box of a row counts and costs with the newest settings, in words."""
+    """Reasons for how each box of a row counts, and its cost, with the newest settings."""
     if (compared := space.compared) is None:
         return not_found(NOT_COMPARED)
     frames = _frames_from(request, compared.result, index_in(request, "row"))
@@ -225,7 +206,7 @@ def _frames_from(request: Request, result: Result, row: int) -> range:
     return range(int(first[recording]) + row, int(first[recording + 1]))
 
 
-@for_owner(sent="uploads")
+@for_owner
 async def upload(request: Request, space: Workspace) -> Response:
     """Receive one picture file or video into the session's folder as a stream."""
     stated = request.headers.get("content-length", "")

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -19,11 +18,9 @@ SESSION_FLAG: Final = "--session"
 SESSION_VARIABLE: Final = "NVCORE_SESSION"
 
 
-def start_file(
-    arguments: Sequence[str] | None = None, environment: Mapping[str, str] | None = None
-) -> Path | None:
+def start_file() -> Path | None:
     """Return the session file that every visitor starts with, or None for the sample."""
-    path = argument(SESSION_FLAG, SESSION_VARIABLE, arguments, environment)
+    path = argument(SESSION_FLAG, SESSION_VARIABLE)
     return Path(path).absolute() if path else None
 
 
@@ -33,30 +30,15 @@ def base_path() -> str:
     return f"/{base}" if base else ""
 
 
-def argument(
-    flag: str,
-    variable: str,
-    arguments: Sequence[str] | None = None,
-    environment: Mapping[str, str] | None = None,
-) -> str:
+def argument(flag: str, variable: str) -> str:
     """Return the value of a flag, or else of the environment, or "" if neither is given.
 
     Parameters
     ----------
     flag, variable
         Names such as ``--local-root`` and ``NVCORE_LOCAL_ROOT``.
-    arguments, environment
-        Arguments and environment to search. None: those of the process.
-
-    Examples
-    --------
-    >>> argument("--local-root", "ROOT", ["--local-root", "drives"], {"ROOT": "elsewhere"})
-    'drives'
-    >>> argument("--local-root", "ROOT", ["--local-root=drives"], {})
-    'drives'
     """
-    arguments = sys.argv[1:] if arguments is None else arguments
-    value = (os.environ if environment is None else environment).get(variable, "")
+    arguments, value = sys.argv[1:], os.environ.get(variable, "")
     for index, text in enumerate(arguments):
         name, equals, rest = text.partition("=")
         if name == flag:

@@ -7,7 +7,7 @@ from pathlib import Path
 import streamlit as st
 from starlette.middleware import Middleware
 
-from ui.serving.styles import OwnStyles
+from ui.serving.styles import StyledPages
 from ui.session import state
 from ui.session.routes import routes_below
 from ui.settings.start import base_path
@@ -18,6 +18,6 @@ state.SAMPLE = Path(os.environ["NVCORE_TEST_SESSION"])
 app = st.App(
     state.ROOT / "ui" / "main.py",
     routes=routes_below(base_path()),
-    middleware=[Middleware(OwnStyles)],
+    middleware=[Middleware(StyledPages)],
     on_script_error=error_banner,
 )

@@ -18,32 +18,26 @@ def root(tmp_path: Path) -> LocalRoot:
     return LocalRoot(tmp_path / "root")
 
 
-def test_it_is_off_unless_asked_for():
-    assert local_root([], {}) is None
+def test_it_is_off_unless_asked_for(monkeypatch: pytest.MonkeyPatch):
+    for arguments in ([], ["--local-root"]):
+        monkeypatch.setattr("sys.argv", ["app.py", *arguments])
+        assert local_root() is None
 
 
 @pytest.mark.parametrize(
     "flag", [["--local-root", "{}"], ["--local-root={}"], ["-x", "--local-root", "{}"]]
 )
-def test_a_flag_names_the_root(tmp_path: Path, flag: list[str]):
-    root = local_root([part.format(tmp_path) for part in flag], {"NVCORE_LOCAL_ROOT": "/"})
+def test_a_flag_names_the_root(tmp_path: Path, flag: list[str], monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("sys.argv", ["app.py", *(part.format(tmp_path) for part in flag)])
+    root = local_root()
     assert root is not None
     assert root.folder == tmp_path.resolve()
 
 
-def test_the_environment_names_the_root(tmp_path: Path):
-    root = local_root([], {"NVCORE_LOCAL_ROOT": str(tmp_path)})
-    assert root is not None
-    assert root.folder == tmp_path.resolve()
-
-
-def test_a_root_that_is_no_folder_is_told():
+def test_a_root_that_is_no_folder_is_told(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("NVCORE_LOCAL_ROOT", "/nowhere/night")
     with pytest.raises(InputError, match="--local-root: there is no such folder"):
-        local_root(["--local-root", "/nowhere/night"], {})
-
-
-def test_a_flag_without_a_folder_opens_nothing():
-    assert local_root(["--local-root"], {}) is None
+        local_root()
 
 
 def test_entries_are_named_relative_to_the_root_folders_first(root: LocalRoot):

@@ -257,9 +257,10 @@ def test_pages_of_others_and_names_of_others_are_refused():
     assert ask("/_stcore/health", headers={"host": "evil.example"}, app=app).status == 200
     sent = [
         ask("/x", method="PUT", headers={"host": "localhost", "origin": origin}, app=app).status
-        for origin in ("http://localhost", "http://localhost:3000", "http://evil.example")
+        for origin in ("http://localhost", "http://localhost:3000", "http://evil.example", "null")
     ]
-    assert sent == [200, 403, 403]
+    assert sent == [200, 403, 403, 403]
+    assert ask("/x", method="PUT", headers={"sec-fetch-site": "cross-site"}, app=app).status == 403
     (closed,) = connect(app, [HELLO], origin="http://localhost:3000")
     assert closed["type"] == "websocket.close"
     assert len(connect(app, [HELLO], origin="http://localhost")) == 3

@@ -1,24 +1,25 @@
-"""The styles in the page: there before anything is drawn, and never those of an older version."""
+"""The page: the styles are there before anything is drawn, unknown addresses have status 404."""
 
 from __future__ import annotations
 
-import asyncio
 from pathlib import Path
 
+import pytest
 import streamlit
-from asgi import Answer, asked
+from asgi import Answer, ask
+from starlette.responses import HTMLResponse
 from starlette.staticfiles import StaticFiles
 
-from ui.serving.styles import OwnStyles, styles
+from ui.serving import styles as module
+from ui.serving.styles import StyledPages, styles
 
 PAGES = Path(streamlit.__file__).parent / "static"
-AS_PAGE = {"accept": "text/html,*/*;q=0.8", "accept-encoding": "gzip"}
+FILES = StaticFiles(directory=PAGES, html=True)
 
 
 def answer(path: str, **headers: str) -> Answer:
-    app = OwnStyles(StaticFiles(directory=PAGES, html=True))
     named = {name.replace("_", "-"): value for name, value in headers.items()}
-    return asyncio.run(asked(path, headers={**AS_PAGE, **named}, app=app))
+    return ask(path, headers={"accept-encoding": "gzip", **named}, app=StyledPages(FILES))
 
 
 def test_the_page_has_the_styles_after_its_head():
@@ -31,8 +32,7 @@ def test_the_page_has_the_styles_after_its_head():
 
 
 def test_a_page_that_the_browser_has_is_sent_again_since_our_part_may_be_newer():
-    original = asyncio.run(asked("/", app=StaticFiles(directory=PAGES, html=True)))
-    got = answer("/", if_none_match=original.headers["etag"])
+    got = answer("/", if_none_match=ask("/", app=FILES).headers["etag"])
     assert got.status == 200
     assert not {"etag", "last-modified"} & set(got.headers)
 
@@ -41,3 +41,22 @@ def test_what_is_no_page_stays_as_it_is():
     picture = answer("/favicon.png")
     assert picture.body == (PAGES / "favicon.png").read_bytes()
     assert "etag" in picture.headers
+    report = ask("/media/report.html", app=StyledPages(HTMLResponse("<title>a report</title>")))
+    assert (report.status, report.text) == (200, "<title>a report</title>")
+
+
+@pytest.mark.parametrize("base", ["", "/apps/night"])
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        *(("/", 200), ("/index.html", 200), ("/data", 200), ("/data/", 200)),
+        *(("/docs", 404), ("/openapi.json", 404), ("/data/more", 404)),
+        ("/nv/token/upload/pictures", 404),
+    ],
+)
+def test_the_page_has_status_404_where_it_is_none(
+    monkeypatch: pytest.MonkeyPatch, base: str, path: str, status: int
+):
+    monkeypatch.setattr(module, "base_path", lambda: base)
+    got = ask(f"{base}{path}", app=StyledPages(HTMLResponse("Streamlit's"), pages=["data"]))
+    assert (got.status, styles() in got.text) == (status, True)

@@ -200,23 +200,6 @@ def test_only_pictures_are_taken_and_only_for_a_known_token(space: Workspace, sl
     assert put("/nv/guess/upload/pictures?name=a.png", PNG).status == 404
 
 
-@pytest.mark.parametrize(
-    "headers",
-    [
-        *({"origin": host} for host in ("https://evil.example", "null", "http://testserver.evil")),
-        {"sec-fetch-site": "cross-site"},
-    ],
-)
-def test_nothing_is_taken_from_another_site(space: Workspace, headers: dict[str, str]):
-    assert upload(space, **headers).status == 403
-    assert space.stored == {}
-
-
-def test_the_apps_own_page_may_send(space: Workspace):
-    own = {"origin": "http://testserver", "sec-fetch-site": "same-origin"}
-    assert upload(space, **own).status == 201
-
-
 def test_a_wrong_content_is_told_with_its_status(space: Workspace):
     answer = upload(space, b"frame,x,y\n")
     assert (answer.status, answer.headers["content-type"]) == (415, "text/plain; charset=utf-8")

@@ -33,11 +33,17 @@ def night(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize("flag", [["--session", "{}"], ["--session={}"]])
-def test_a_flag_goes_before_the_environment(flag: list[str], tmp_path: Path):
-    arguments = [part.format(tmp_path / "a.toml") for part in flag]
-    assert start_file(arguments, {"NVCORE_SESSION": "b.toml"}) == tmp_path / "a.toml"
-    assert start_file([], {"NVCORE_SESSION": str(tmp_path / "b.toml")}) == tmp_path / "b.toml"
-    assert start_file(["--local-root", "x"], {}) is None
+def test_a_flag_goes_before_the_environment(
+    flag: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("sys.argv", ["app.py", "--local-root", "x"])
+    assert start_file() is None
+    monkeypatch.setenv("NVCORE_SESSION", str(tmp_path / "b.toml"))
+    assert start_file() == tmp_path / "b.toml"
+    monkeypatch.setattr(
+        "sys.argv", ["app.py", *(part.format(tmp_path / "a.toml") for part in flag)]
+    )
+    assert start_file() == tmp_path / "a.toml"
 
 
 def test_every_visitor_starts_with_it_and_shares_what_is_read(night: Path):

@@ -8,7 +8,6 @@ from unittest.mock import MagicMock
 import pytest
 from starlette.datastructures import Headers
 from streamlit import config
-from streamlit.web.server.starlette import starlette_websocket
 from streamlit.web.server.starlette.starlette_app import create_streamlit_routes
 
 from ui.streamlit_inside import login, server
@@ -54,19 +53,13 @@ def test_hosts_and_origins_are_those_of_the_options(monkeypatch: pytest.MonkeyPa
     assert server.allowed_origins() == {"https://proxy.example"}
 
 
-@pytest.mark.parametrize("text", ["streamlit", "streamlit, xsrf", "streamlit, xsrf, session-1"])
-def test_a_websocket_names_its_session_where_streamlit_looks_for_it(text: str):
-    headers = Headers({"sec-websocket-protocol": text})
-    protocol, _, session = starlette_websocket._parse_subprotocols(headers)
-    assert server.protocol_and_session(headers) == (protocol, session or "")
-
-
-def test_a_websocket_without_protocols_names_nothing():
-    assert server.protocol_and_session({}) == ("", "")
+def test_a_websocket_names_its_session():
+    headers = Headers({"sec-websocket-protocol": "streamlit, xsrf, session-1"})
+    assert server.parse_subprotocols(headers) == ("streamlit", "xsrf", "session-1")
+    assert server.parse_subprotocols(Headers()) == (None, None, None)
 
 
 def test_the_page_has_scripts_within_and_one_end():
-    page = (server.STATIC / "index.html").read_bytes()
-    assert page.count(b"<script>") == len(server.inline_scripts()) > 0
-    assert page.count(server.PAGE_END) == 1
-    assert server.with_styles(page, b"<style></style>").count(b"<style></style></body>") == 1
+    page = server.page_with("<style></style>")
+    assert page.count("<script>") == len(server.inline_scripts()) > 0
+    assert page.count("<style></style></body>") == page.count(server.PAGE_END) == 1

@@ -31,7 +31,7 @@ ENDED: Final = "the page has ended; load it again"
 _LOG = logging.getLogger("nvcore.ui")
 
 
-@for_owner()
+@for_owner
 async def study_picture(request: Request, space: Workspace) -> Response:
     """Answer with a picture of the study, or its coarse version."""
     screen: OnScreen | None = space.notes.get(ON_SCREEN)
@@ -45,7 +45,7 @@ async def study_picture(request: Request, space: Workspace) -> Response:
     return Response(content, media_type="image/png", headers=NOT_CACHED)
 
 
-@for_owner(sent="answers")
+@for_owner
 async def study_answer(request: Request, space: Workspace) -> Response:
     """Store the report that a picture appeared, or its answer. Success means that it is on disk."""
     screen: OnScreen | None = space.notes.get(ON_SCREEN)

@@ -1,0 +1,42 @@
+"""The group of all commands: those of the core, then those of the subjects."""
+
+from __future__ import annotations
+
+from itertools import chain
+
+import click
+
+from nvcore import __version__
+from nvcore.cli.app import app
+from nvcore.cli.compare import check, compare
+from nvcore.cli.convert import convert
+from nvcore.cli.gate import gate
+from nvcore.cli.groups import groups
+from nvcore.cli.matrix import matrix
+from nvcore.cli.models import models
+from nvcore.cli.options import examples
+from nvcore.cli.plan import plan
+from nvcore.cli.program import Program
+from nvcore.cli.report import report
+from nvcore.cli.sample import sample
+from nvcore.subjects import contributed
+
+
+@click.group(
+    cls=Program,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog=examples(
+        "nvcore compare sample_data/session.toml", "nvcore app", "nvcore compare --help"
+    ),
+)
+@click.version_option(__version__, prog_name="nvcore")
+def main() -> None:
+    """Compare two pedestrian-detection systems by what the driver notices."""
+
+
+for command in (
+    *(compare, check, convert, gate, matrix, plan, report, groups),
+    *chain(*contributed("commands")),
+    *(models, app, sample),
+):
+    main.add_command(command)
