@@ -10,7 +10,10 @@ from typing import Final
 import numpy as np
 import pandas as pd
 import streamlit as st
+from numpy.typing import NDArray
+from pandas.util import hash_pandas_object
 
+from nvcore.auditing.coverage import MIN_SILENT
 from nvcore.auditing.recordings import kitti_sizes
 from nvcore.dataset.sources import left_out_text
 from nvcore.errors import MissingFactError, NvcoreError
@@ -18,6 +21,7 @@ from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.session import Source
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.schema import NO_TRACK
+from nvcore.wording import MOST_NAMED, listed
 from ui.confined.reading import find_confined, read_confined
 from ui.session import store
 from ui.shell.messages import error_text
@@ -26,8 +30,11 @@ from ui.widgets.text import plain
 USUAL_IN_KITTI: Final = ("kitti-tracking", "kitti-object")
 MOST_KEPT: Final = 40
 """Sources that are remembered, so that files are not read again at every click."""
-
-
+CUT_SHARE: Final = 0.3
+"""Share of a recording's frames with truth that come after its last detection in a cut file. (Our
+choice: the audit looks for less, but knows how near pedestrians are.)"""
+OF_BOX: Final = ["recording", "frame", "x", "y", "w", "h", "score"]
+"""Columns by which boxes are compared."""
 _RATE: Final[dict[Role, frozenset[str]]] = {"truth": frozenset({"fps"}), "detections": frozenset()}
 
 
@@ -38,8 +45,9 @@ class FileCheck:
     `trouble` says why it cannot be used, `unknown` which of ``size`` and ``fps`` its files do not
     say; the `reading` is without its boxes. Without boxes there is no `first_frame`. `doubt` says
     why the files may belong into another field. `sizes` (px) are those of recordings whose files
-    state none, and whose boxes end at the edge of a picture of KITTI. `with_boxes` names the
-    recordings that have boxes.
+    state none, and whose boxes end at the edge of a picture of KITTI. `frames` has the
+    numbers of frames with boxes by recording, ascending; boxes of the truth that are to be ignored
+    do not count. `boxes` is the number of boxes and their hash, whatever their order.
     """
 
     trouble: str = ""
@@ -50,7 +58,8 @@ class FileCheck:
     reading: Reading | None = None
     doubt: str = ""
     sizes: Mapping[str, tuple[int, int]] = field(default_factory=dict)
-    with_boxes: frozenset[str] = frozenset()
+    frames: Mapping[str, NDArray[np.int64]] = field(default_factory=dict)
+    boxes: tuple[int, int] = (0, 0)
 
     @property
     def recordings(self) -> list[str]:
@@ -122,9 +131,19 @@ def _check(
         summary += f", {n_ignored:,} of them to be ignored"
     doubt = (_doubt_of_truth if role == "truth" else _doubt_of_detections)(reading)
     sizes = _edge_sizes(reading) if name in USUAL_IN_KITTI and "size" in unknown else {}
-    with_boxes = frozenset(reading.boxes["recording"].unique())
-    light = _light(reading)
-    return FileCheck("", unknown, name, summary, first_frame, light, doubt, sizes, with_boxes)
+    counted = reading.boxes if role == "detections" else reading.boxes[~reading.boxes["ignore"]]
+    by_recording = counted.groupby("recording", observed=True)["frame"]
+    return FileCheck(
+        unknown=unknown,
+        format=name,
+        summary=summary,
+        first_frame=first_frame,
+        reading=_light(reading),
+        doubt=doubt,
+        sizes=sizes,
+        frames={str(name): np.unique(numbers) for name, numbers in by_recording},
+        boxes=(len(frames), int(hash_pandas_object(reading.boxes[OF_BOX], index=False).sum())),
+    )
 
 
 def _edge_sizes(reading: Reading) -> dict[str, tuple[int, int]]:
@@ -196,6 +215,8 @@ def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> 
             st.caption(f"Left out: {plain(left_out)}.")
     if check.doubt:
         st.warning(plain(check.doubt), icon=":material/swap_vert:")
+    if early := _ends_early(check, truth):
+        st.warning(plain(early), icon=":material/content_cut:")
     firsts = (check.first_frame, None if truth is None else truth.first_frame)
     if set(firsts) == {0, 1}:
         st.caption(
@@ -203,6 +224,23 @@ def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> 
             "be the same picture: for CSV choose the first frame's number under “How to read”; "
             "otherwise the audit proposes a correction after opening."
         )
+
+
+def _ends_early(check: FileCheck, truth: FileCheck | None) -> str:
+    """Return in which recordings the detections end long before the ground truth, or ""."""
+    ends = []
+    for name, numbers in ({} if truth is None else truth.frames).items():
+        if (own := check.frames.get(name)) is None:
+            continue
+        n_after = int((numbers > own[-1]).sum())
+        if n_after >= max(MIN_SILENT, CUT_SHARE * len(numbers)):
+            ends.append(f"{name} at frame {own[-1]} of {numbers[-1]}")
+    if not ends:
+        return ""
+    return (
+        f"The detections end long before the ground truth: {listed(ends, most=MOST_NAMED)}. Check "
+        "that the file is complete."
+    )
 
 
 def unusable(checks: Iterable[tuple[str, FileCheck | None]]) -> str:

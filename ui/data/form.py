@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache, partial
 from pathlib import Path
@@ -14,7 +14,7 @@ from nvcore.inputs.facts import labelled_paths
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import RecordingEntry, Source, SystemSource
 from nvcore.objects import Objects
-from nvcore.tables.inputs import inputs_table
+from nvcore.tables.inputs import inputs_table, left_out_table
 from nvcore.wording import listed
 from ui.data.file_check import FileCheck, check_files, draw_file_check
 from ui.data.form_session import (
@@ -119,7 +119,14 @@ def draw_form(place: Place) -> None:
     if button("Open these files" if opened is None else "Change the comparison",
               key=f"open_{place.name}", type="primary"):  # fmt: skip
         label = place.label if opened is None else opened.label
-        try_to_open(form.session, label=label, place=place.name, check=form.check, words=form.words)
+        try_to_open(
+            form.session,
+            label=label,
+            place=place.name,
+            check=form.check,
+            words=form.words,
+            field_of=form.field_of,
+        )
 
 
 def _beginnings(labels: Iterable[str]) -> str:
@@ -205,9 +212,13 @@ class _Fields:
 
         @cache  # reading the ground truth takes long, and only chosen files need it
         def against() -> FileCheck | None:
-            return truth.check if self.opened is None else self._open_truth(truth)
+            if self.opened is None:
+                return truth.check
+            session = self.opened.session
+            source = joined(session.truth, truth, session.folder, self.purpose)
+            return self._check_open(source, "truth", content=truth.chosen.content)
 
-        systems = []
+        systems: list[SourceField] = []
         for number, title in enumerate(titles):
             label = f"Detections of {plain(title)}"
             source = now[number] if number < len(now) else None
@@ -217,6 +228,8 @@ class _Fields:
                 if not system.chosen.is_empty:
                     check = self._check(system, against())
                     draw_file_check(check, against())
+                    if source is None:
+                        self._draw_same(check, systems, against())
             systems.append(replace(system, check=check))
         if self.purpose != "replace":
             st.button(
@@ -274,15 +287,46 @@ class _Fields:
             objects=self.objects,
         )
 
-    def _open_truth(self, truth: SourceField) -> FileCheck | None:
-        """Read the ground truth that the open comparison will have."""
+    def _check_open(
+        self, source: Source, role: Role, truth: FileCheck | None = None, content: Hashable = ()
+    ) -> FileCheck:
+        """Read a source of the open comparison, with the files of a field of this `content`."""
         assert self.opened is not None
-        session = self.opened.session
-        source = joined(session.truth, truth, session.folder, self.purpose)
-        key = (state.workspace().n_opened, truth.chosen.content, repr(source))
+        key = (state.workspace().n_opened, content, repr(source), role)
         return check_files(
-            lambda: key, source, role="truth", folder=session.folder, objects=self.objects
+            lambda: key,
+            source,
+            role=role,
+            folder=self.opened.session.folder,
+            truth=truth,
+            objects=self.objects,
         )
+
+    def _draw_same(
+        self, check: FileCheck | None, before: Sequence[SourceField], truth: FileCheck | None
+    ) -> None:
+        """Say whether a further system has the same boxes as one that is open, or one above it."""
+        if check is None or not check.boxes[0]:
+            return
+        same = [
+            other.title
+            for other in before
+            if other.check is not None and other.check.boxes == check.boxes
+        ]
+        if self.opened is not None:
+            left_out = left_out_table(self.opened.whole).groupby("subject")["n_rows"].sum()
+            for name, system in zip(self.open_systems, self.opened.session.systems, strict=True):
+                n_boxes = len(self.opened.whole.system(name))
+                is_possible = n_boxes <= check.boxes[0] <= n_boxes + left_out.get(name, 0)
+                if (
+                    is_possible
+                    and self._check_open(system, "detections", truth).boxes == check.boxes
+                ):
+                    same.append(name)
+        if same:
+            st.warning(
+                f"The file has the same boxes as {plain(same[-1])}.", icon=":material/content_copy:"
+            )
 
 
 def _files_now(opened: Opened, system: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from dataclasses import fields as dataclass_fields
@@ -16,7 +17,7 @@ from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.file_kinds import unpacked_name
 from nvcore.inputs.changes import live_session, stated_by_recording
-from nvcore.inputs.facts import with_paths_in, without_files_of_run
+from nvcore.inputs.facts import labelled_paths, with_paths_in, without_files_of_run
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.objects import Objects
@@ -363,13 +364,17 @@ class Form:
                 f"Boxes would be lost: {words}. Name each file after its recording, and open all "
                 "of them by themselves."
             )
-        asked = store.ASKED_NAMES.of(f"{self.place.name}_lost")
-        if asked.get() != (words,):
-            asked.set((words,))
-            raise InputError(
-                f"No box would be left: {words}. If this is meant, press the button once more. "
-                "Else choose all files of that source, or those with the names of the ones before."
-            )
+        self._ask_once(
+            f"No box would be left: {words}. If this is meant, press the button once more. "
+            "Else choose all files of that source, or those with the names of the ones before."
+        )
+
+    def _ask_once(self, question: str) -> None:
+        """Raise InputError with a question, unless it was asked before."""
+        asked = store.ASKED_ONCE.of(self.place.name)
+        if question not in asked.get():
+            asked.set(asked.get() | {question})
+            raise InputError(question)
 
     @property
     def words(self) -> str:
@@ -390,6 +395,25 @@ class Form:
         verb = "Added" if self.purpose == "add" else "Replaced"
         return f"{verb}: {listed(parts, most=MOST_NAMED)}." if parts else ""
 
+    def field_of(self, file: str) -> str:
+        """Return the title of the field of a file that is read only with the session, or "".
+
+        Paths start from the folder of the session.
+        """
+        titles = {
+            path: labelled_paths(RecordingEntry)[key].partition(" (")[0]
+            for key, path_of in self.series.items()
+            for path in path_of.values()
+        } | {
+            chosen.folder / path: f"{system.title}, {label[:1].lower()}{label[1:]}"
+            for system in self.systems
+            for key, chosen in system.own.items()
+            for label in [labelled_paths(SystemSource)[key].partition(" (")[0]]
+            for path in chosen.paths
+        }
+        folder = self.truth.chosen.folder if self.opened is None else self.opened.session.folder
+        return titles.get(Path(os.path.normpath(folder / file)), "")
+
     def _refuse_wrong(self) -> None:
         own = [file for system in self.systems for file in system.own.values()]
         for wrong in (
@@ -403,7 +427,17 @@ class Form:
         ):
             if wrong:
                 raise InputError(wrong)
-        self._ask_for_names()
+        unnamed = [
+            name
+            for number, (system, name) in enumerate(zip(self.systems, self.names, strict=True), 1)
+            if system.check is not None and name == f"System {number}"
+        ]
+        if unnamed:
+            self._ask_once(
+                f"The files' names do not tell what {listed(unnamed)} "
+                f"{'is' if len(unnamed) == 1 else 'are'}: type the names of the systems. "
+                "Or open once more to go on with these."
+            )
 
     def _overlap(self) -> str:
         """Say which added detections belong to recordings in which their system has some."""
@@ -416,29 +450,13 @@ class Form:
                 continue
             rows = whole.system(system.name).frame_index
             own = {names[number] for number in np.unique(whole.frame_columns.recording[rows])}
-            twice = sorted(own & {title_of.get(name, name) for name in system.check.with_boxes})
+            twice = sorted(own & {title_of.get(name, name) for name in system.check.frames})
             if twice:
                 return (
                     f"{system.name} has detections in {listed(twice)} already. To put the file in "
                     f"the place of the one before, choose “{PURPOSES['replace']}”."
                 )
         return ""
-
-    def _ask_for_names(self) -> None:
-        """Ask once for names that the files do not tell. Opening again keeps the numbers."""
-        unnamed = tuple(
-            name
-            for number, (system, name) in enumerate(zip(self.systems, self.names, strict=True), 1)
-            if system.check is not None and name == f"System {number}"
-        )
-        asked = store.ASKED_NAMES.of(self.place.name)
-        if unnamed and asked.get() != unnamed:
-            asked.set(unnamed)
-            raise InputError(
-                f"The files' names do not tell what {listed(unnamed)} "
-                f"{'is' if len(unnamed) == 1 else 'are'}: type the names of the systems. "
-                "Or open once more to go on with these."
-            )
 
     def _changes(self, session: Session, names: Sequence[str]) -> dict[str, dict[str, Any]]:
         """Return fields of `RecordingEntry` to be changed, by recording.

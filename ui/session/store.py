@@ -233,8 +233,8 @@ FILE_CHECKS = Collection("file_checks", Caching)
 PICTURE_CHECKS: Collection[dict[Hashable, PictureCheck]] = Collection("picture_checks", dict)
 PROPOSED_NAMES: Family[str] = Family("told", "")
 """Name that the files propose, by field."""
-ASKED_NAMES: Family[tuple[str, ...]] = Family("asked_names", ())
-"""Systems whose names a form has asked for."""
+ASKED_ONCE: Family[frozenset[str]] = Family("asked_once", frozenset())
+"""Questions that a form has asked, which pressing its button again answers."""
 ASKED_FACTS: Family[frozenset[str]] = Family("asked", frozenset())
 """Facts that a form asks for because the files lack them."""
 FORM_PURPOSE: Family[Purpose] = Family("form_purpose", "new")
