@@ -363,8 +363,7 @@ def _ask(form: Form) -> Form:
     facts = ask_for_missing(
         form.place.name, form.pictures.usable.values(), unknown, format_name, sizes
     )
-    others = {name: size for name, size in sizes.items() if len({*sizes.values()}) > 1}
     typed = TypedRecordings()
-    if unknown:
-        typed = draw_before_opening(form.place.name, first, form.table.entries, facts, others)
-    return replace(form, facts=facts, sizes=others, typed=typed)
+    if unknown and first is not None:
+        typed = draw_before_opening(form.place.name, first, form.table.entries, facts)
+    return replace(form, facts=facts, typed=typed)

@@ -174,8 +174,6 @@ class Form:
         Name of the only recording, or "".
     series
         Files by recording, by key of a ``[[recording]]``.
-    sizes
-        Sizes (px) by recording to which the boxes point, where they differ.
     """
 
     place: Place
@@ -192,7 +190,6 @@ class Form:
     series: Mapping[str, Mapping[str, Path]]
     pictures: ChosenPictures
     facts: MissingInputs = MissingInputs()
-    sizes: Mapping[str, tuple[int, int]] = field(default_factory=dict)
     typed: TypedRecordings = field(default_factory=TypedRecordings)
 
     @cached_property
@@ -236,16 +233,16 @@ class Form:
             for system, name in chosen
         )
         truth = Source(path=self.truth.chosen.paths, **self.truth.reading)
-        session = self.facts.session(
-            frame_list=self.frames.path,
+        session = Session(
             folder=folder,
             truth=truth,
             systems=systems,
+            frames=self.frames.path,
             recordings_file=self.table.file,
             objects=self.objects,
         )
-        session = self.place.finished(session)
-        is_complete = not (self.pictures.usable or self.recording or self.sizes)
+        session = self.place.finished(self.facts.added_to(session))
+        is_complete = not (self.pictures.usable or self.recording)
         if is_complete and not self.typed.changes and not any(self.series.values()):
             return session
         with st.spinner("Reading the ground truth"):
@@ -415,15 +412,16 @@ class Form:
         return titles.get(Path(os.path.normpath(folder / file)), "")
 
     def _refuse_wrong(self) -> None:
+        reasons = "cannot be used: the reason stands"
         own = [file for system in self.systems for file in system.own.values()]
         for wrong in (
             unusable(self.checks.items()),
             *(file.trouble for file in own),
             self._overlap(),
-            self.frames.stops,
-            self.table.stops,
+            self.frames.trouble and f"The list of evaluated frames {reasons} at its field.",
+            self.table.trouble and f"The table of recordings {reasons} at its field.",
             self.pictures.stops,
-            self.typed.trouble,
+            self.typed.trouble and f"The table of the recordings {reasons} below it.",
         ):
             if wrong:
                 raise InputError(wrong)
@@ -461,7 +459,7 @@ class Form:
     def _changes(self, session: Session, names: Sequence[str]) -> dict[str, dict[str, Any]]:
         """Return fields of `RecordingEntry` to be changed, by recording.
 
-        Pictures and sizes that the session states stay, if its files are opened by themselves.
+        Pictures that the session states stay, if its files are opened by themselves.
         """
         paths = {
             label: _path_in(session.folder, path) for label, path in self.pictures.usable.items()
@@ -477,9 +475,6 @@ class Form:
         for name, label in guess_pictures(names, paths).items():
             if self.opened or recording_entry(session, names, name).pictures is None:
                 changes[name]["pictures"] = paths[label]
-        for name, (width, height) in self.sizes.items():
-            if name in changes and recording_entry(session, names, name).width is None:
-                changes[name] |= {"width": float(width), "height": float(height)}
         for key, file_of in self.series.items():
             for name, file in file_of.items():
                 if name in changes:

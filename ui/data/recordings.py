@@ -14,6 +14,7 @@ import streamlit as st
 
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, NvcoreError
+from nvcore.inputs.readers.base import Reading
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.params.traffic import context_word, count_contexts, parse_context
@@ -310,11 +311,7 @@ class TypedRecordings:
 
 
 def draw_before_opening(
-    place: str,
-    truth: FileCheck | None,
-    rows: Mapping[str, RecordingEntry],
-    facts: MissingInputs,
-    sizes: Mapping[str, tuple[int, int]],
+    place: str, truth: FileCheck, rows: Mapping[str, RecordingEntry], facts: MissingInputs
 ) -> TypedRecordings:
     """Draw the table of several recordings of which the files do not say all.
 
@@ -328,44 +325,37 @@ def draw_before_opening(
         Of a table of recordings that was sent.
     facts
         What was filled in for all of them.
-    sizes
-        Where their boxes end, if that differs.
     """
-    if truth is None or truth.reading is None or len(truth.recordings) < 2:
+    if truth.reading is None or len(truth.recordings) < 2:
         return TypedRecordings()
-    proposed = _proposed(truth, rows, facts, sizes)
+    sizes = truth.sizes if len({*truth.sizes.values()}) > 1 else {}
+    known = _proposed(truth.reading, rows, facts, {})
+    proposed = _proposed(truth.reading, rows, facts, sizes)
     with st.expander("Size, frame rate and tags by recording", expanded=bool(sizes)):
         st.caption("As proposed; click a cell to change it. Empty: nothing is known.")
         key = f"recordings_{place}_{hash(tuple(truth.recordings))}"
         after = _edit(proposed, key=key, columns=BEFORE_OPENING, disabled=("name",))
         try:
-            return TypedRecordings(changes_in(proposed, after, {}))
+            return TypedRecordings(changes_in(known, after, {}))
         except InputError as error:
             st.error(plain(error), icon=":material/error:")
-            return TypedRecordings(
-                trouble="The table of the recordings cannot be used: the reason stands below it."
-            )
+            return TypedRecordings(trouble=str(error))
 
 
 def _proposed(
-    truth: FileCheck,
+    truth: Reading,
     rows: Mapping[str, RecordingEntry],
     facts: MissingInputs,
     sizes: Mapping[str, tuple[int, int]],
 ) -> pd.DataFrame:
     """Propose for each recording its row in the table sent, else its files, its edge, or all's."""
-    assert truth.reading is not None
-    names = truth.recordings
+    names = truth.recordings["name"].tolist()
     table = rows_of([replace(rows.get(name, RecordingEntry(name)), name=name) for name in names])
-    size, edges = facts.size or (np.nan, np.nan), pd.Series(sizes, dtype=object)
-    for number, name in enumerate(("width", "height")):
-        of_files = truth.reading.recordings[name].astype(float)
-        at_edge = table["name"].map(edges).map(lambda edge, at=number: edge[at], na_action="ignore")
-        proposals = (of_files, at_edge.astype(float), pd.Series(float(size[number]), table.index))
-        for proposal in proposals:
-            table[name] = table[name].fillna(proposal)
-    of_all = np.nan if facts.fps is None else facts.fps
-    table["fps"] = table["fps"].fillna(truth.reading.recordings["fps"].astype(float)).fillna(of_all)
+    width, height = facts.size or (None, None)
+    for column, of_all, at in (("width", width, 0), ("height", height, 1), ("fps", facts.fps, 2)):
+        at_edge = [sizes[name][at] if at < 2 and name in sizes else of_all for name in names]
+        of_files = truth.recordings[column].astype(float)
+        table[column] = table[column].fillna(of_files).fillna(pd.Series(at_edge, dtype=float))
     return table
 
 

@@ -68,13 +68,6 @@ class RecordingsTable:
     line_of: Mapping[str, int] = field(default_factory=dict)
 
     @property
-    def stops(self) -> str:
-        """Reason why nothing is opened yet, or ""."""
-        if not self.trouble:
-            return ""
-        return "The table of recordings cannot be used: the reason stands at its field."
-
-    @property
     def file(self) -> RecordingsFile | None:
         """The table as a session names it."""
         return None if self.path is None else RecordingsFile(self.path)
@@ -100,13 +93,6 @@ class FrameList:
     summary: str = ""
     trouble: str = ""
     folder: Path = Path()
-
-    @property
-    def stops(self) -> str:
-        """Reason why nothing is opened yet, or ""."""
-        if not self.trouble:
-            return ""
-        return "The list of evaluated frames cannot be used: the reason stands at its field."
 
 
 @dataclass(frozen=True)

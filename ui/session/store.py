@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from nvcore.settings import OperatingPoint
     from nvcore.stages import Stage
     from ui.data.form_session import Purpose
-    from ui.data.missing_inputs import PictureCheck
     from ui.data.opening import Trouble
     from ui.data.upload import Uploaded
     from ui.detectors.trial import Levels
@@ -230,7 +229,6 @@ OPENING_SHOWN: Entry[int | None] = Entry("data_opened_shown", None)
 OPENING_DRAWN: Family[int | None] = Family("data_drawn", None)
 """Opening that a part of the page has drawn."""
 FILE_CHECKS = Collection("file_checks", Caching)
-PICTURE_CHECKS: Collection[dict[Hashable, PictureCheck]] = Collection("picture_checks", dict)
 PROPOSED_NAMES: Family[str] = Family("told", "")
 """Name that the files propose, by field."""
 ASKED_ONCE: Family[frozenset[str]] = Family("asked_once", frozenset())
