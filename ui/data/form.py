@@ -27,6 +27,7 @@ from ui.data.form_session import (
     joined,
     titles_by_name,
 )
+from ui.data.inputs import files_text
 from ui.data.missing_inputs import ask_for_missing, draw_reading
 from ui.data.names import draw_objects, draw_recording, draw_system_name, proposed_names
 from ui.data.opening import draw_trouble, forget_outcome, try_to_open
@@ -44,7 +45,6 @@ from ui.data.side_files import (
 from ui.session import state, store
 from ui.session.opening import guess_pictures
 from ui.session.workspace import Opened
-from ui.shell.messages import without_paths
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
@@ -76,27 +76,22 @@ def draw_form(place: Place) -> None:
     place.begin("" if opened is None else f"change_{state.workspace().n_opened}_")
     objects = draw_objects(place.name, changed) if opened is None else opened.dataset.objects
     form_fields = _Fields(place, purpose, opened, objects, changed)
-    truth = form_fields.draw_source(
-        "truth",
-        "the ground truth",
-        "Ground truth",
-        "truth",
-        None if opened is None else opened.session.truth,
-    )
+    open_truth = None if opened is None else opened.session.truth
+    truth = form_fields.draw_source("truth", "the ground truth", "truth", open_truth)
     systems = form_fields.draw_systems(truth)
     new_names = [] if truth.check is None else truth.check.recordings
     recordings = new_names or form_fields.open_names
     with st.columns([1, 3])[1]:
-        rows = form_fields.choose("recordings", RECORDINGS_LABEL, help_text=RECORDINGS_HELP, most=1)
+        rows = place.choose("recordings", RECORDINGS_LABEL, help_text=RECORDINGS_HELP, most=1)
         below = st.container()
         frames = FrameList()
         if purpose == "new" or (purpose == "replace" and len(form_fields.open_names) == 1):
-            listing = form_fields.choose("frames", FRAMES_LABEL, help_text=FRAMES_HELP, most=1)
+            listing = place.choose("frames", FRAMES_LABEL, help_text=FRAMES_HELP, most=1)
             frames = draw_frame_list(listing, recordings)
         labels = labelled_paths(RecordingEntry)
         with st.expander(f"More by recording: {_beginnings(labels.values())}"):
             series = {
-                name: _by_name(form_fields.choose(name, label), recordings)
+                name: _by_name(place.choose(name, label), recordings)
                 for name, label in labels.items()
             }
     st.markdown("Pictures (not needed for the numbers)")
@@ -154,30 +149,42 @@ class _Fields:
         """Names of the open systems that files are added to."""
         return () if self.opened is None else self.opened.whole.systems
 
-    def choose(self, name: str, label: str, **more: Any) -> Chosen:
-        """Draw a field for files."""
-        return self.place.choose(name, label, **more)
-
     def draw_source(
-        self, name: str, title: str, label: str, role: Role, now: Source | None = None
+        self,
+        name: str,
+        title: str,
+        role: Role,
+        now: Source | None,
+        truth: Callable[[], FileCheck | None] = lambda: None,
     ) -> SourceField:
-        """Draw the fields of ground truth or of a system.
+        """Draw the fields of ground truth or of a system, and read the files by themselves.
 
         Parameters
         ----------
         now
             The source that is open.
+        truth
+            Reads the ground truth, only if a system has files: that takes long.
         """
+        label = "Ground truth" if role == "truth" else f"Detections of {plain(title)}"
         left, right = st.columns([1, 3])
         system = title if now is not None and role == "detections" else ""
         with right:
-            chosen = self.choose(name, label, help_text=FILES_HELP)
+            chosen = self.place.choose(name, label, help_text=FILES_HELP)
             below = st.container()
             reading, own = self._draw_rare(name, title, role, now)
         if now is not None and self.opened is not None:
-            left.caption(f"Now: {_files_now(self.opened, system)}")
+            table = inputs_table(self.opened.whole)
+            row = table[table["subject"] == system] if system else table
+            left.caption(f"Now: {files_text(row.iloc[0].to_dict())}")
         source = SourceField(title, role, system, chosen, reading, own, below, left)
-        return replace(source, check=self._truth_check(source)) if role == "truth" else source
+        if chosen.is_empty:
+            return source
+        against = truth()
+        check = self._check(source, against)
+        with below:
+            draw_file_check(check, against)
+        return replace(source, check=check)
 
     def _draw_rare(
         self, name: str, title: str, role: Role, now: Source | None
@@ -196,7 +203,10 @@ class _Fields:
                 typed = draw_reading(role, self.place.key(name), self.changed)
                 given = {key: value for key, value in typed.items() if value is not None}
                 reading = {**typed, **reading, **given}
-            own = {key: self.choose(f"{name}_{key}", text, most=1) for key, text in labels.items()}
+            own = {
+                key: self.place.choose(f"{name}_{key}", text, most=1)
+                for key, text in labels.items()
+            }
         return reading, own
 
     def draw_systems(self, truth: SourceField) -> list[SourceField]:
@@ -210,7 +220,7 @@ class _Fields:
             letter = {0: " (X)", 1: " (Y)"}.get(number, "")
             titles.append(f"system {number + 1}{letter}")
 
-        @cache  # reading the ground truth takes long, and only chosen files need it
+        @cache
         def against() -> FileCheck | None:
             if self.opened is None:
                 return truth.check
@@ -220,17 +230,12 @@ class _Fields:
 
         systems: list[SourceField] = []
         for number, title in enumerate(titles):
-            label = f"Detections of {plain(title)}"
             source = now[number] if number < len(now) else None
-            system = self.draw_source(f"system_{number}", title, label, "detections", source)
-            with system.below:
-                check = None
-                if not system.chosen.is_empty:
-                    check = self._check(system, against())
-                    draw_file_check(check, against())
-                    if source is None:
-                        self._draw_same(check, systems, against())
-            systems.append(replace(system, check=check))
+            system = self.draw_source(f"system_{number}", title, "detections", source, against)
+            if source is None and system.check is not None and system.check.boxes[0]:
+                with system.below:
+                    self._draw_same(system.check, systems, against())
+            systems.append(system)
         if self.purpose != "replace":
             st.button(
                 "Add a system",
@@ -263,17 +268,8 @@ class _Fields:
                 )
         return names
 
-    def _truth_check(self, truth: SourceField) -> FileCheck | None:
-        with truth.below:
-            check = self._check(truth, None)
-            draw_file_check(check)
-        return check
-
-    def _check(self, source: SourceField, truth: FileCheck | None) -> FileCheck | None:
-        """Read the files of a field by themselves, unless they are known."""
+    def _check(self, source: SourceField, truth: FileCheck | None) -> FileCheck:
         chosen = source.chosen
-        if chosen.is_empty:
-            return None
         if chosen.trouble:
             return FileCheck(trouble=chosen.trouble)
         role = source.role
@@ -303,11 +299,9 @@ class _Fields:
         )
 
     def _draw_same(
-        self, check: FileCheck | None, before: Sequence[SourceField], truth: FileCheck | None
+        self, check: FileCheck, before: Sequence[SourceField], truth: FileCheck | None
     ) -> None:
         """Say whether a further system has the same boxes as one that is open, or one above it."""
-        if check is None or not check.boxes[0]:
-            return
         same = [
             other.title
             for other in before
@@ -327,14 +321,6 @@ class _Fields:
             st.warning(
                 f"The file has the same boxes as {plain(same[-1])}.", icon=":material/content_copy:"
             )
-
-
-def _files_now(opened: Opened, system: str) -> str:
-    """Name the files that a source has now."""
-    table = inputs_table(opened.whole)
-    row = table[table["subject"] == system].iloc[0] if system else table.iloc[0]
-    more = f" and {row['n_files'] - 1:,} more" if row["n_files"] > 1 else ""
-    return f"{plain(without_paths(row['first_file']))}{more}"
 
 
 def _by_name(chosen: Chosen, recordings: Sequence[str]) -> dict[str, Path]:

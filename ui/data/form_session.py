@@ -78,6 +78,15 @@ class Chosen:
         """True if nothing was chosen."""
         return not (self.paths or self.trouble)
 
+    @property
+    def is_there(self) -> bool:
+        """False if files were removed since."""
+        return all((self.folder / path).exists() for path in self.paths)
+
+    def paths_from(self, folder: Path) -> tuple[str, ...]:
+        """Return the paths relative to another folder."""
+        return tuple(_path_in(folder, self.folder / path) for path in self.paths)
+
 
 class Place(Protocol):
     """Place that files come from, such as an upload.
@@ -210,33 +219,18 @@ class Form:
         return session
 
     def _new(self) -> Session:
-        chosen = [
-            pair
-            for pair in zip(self.systems, self.names, strict=True)
-            if not pair[0].chosen.is_empty
-        ]
         if self.truth.chosen.is_empty:
             raise InputError(
                 "Choose the ground truth first: the boxes that both systems should find."
             )
-        if not chosen:
+        if all(system.chosen.is_empty for system in self.systems):
             raise InputError("Choose the detections of at least one system.")
         self._refuse_wrong()
         folder = self.truth.chosen.folder
-        systems = tuple(
-            SystemSource(
-                path=system.chosen.paths,
-                name=name or None,
-                **system.reading,
-                **_own_files(system, folder),
-            )
-            for system, name in chosen
-        )
-        truth = Source(path=self.truth.chosen.paths, **self.truth.reading)
         session = Session(
             folder=folder,
-            truth=truth,
-            systems=systems,
+            truth=Source(path=self.truth.chosen.paths, **self.truth.reading),
+            systems=tuple(self._new_systems(folder)),
             frames=self.frames.path,
             recordings_file=self.table.file,
             objects=self.objects,
@@ -266,25 +260,19 @@ class Form:
             replace(joined(source, new, folder, self.purpose), **_own_files(new, folder))
             for source, new in zip(session.systems, self.systems, strict=False)
         ]
-        systems += [
-            SystemSource(
-                path=tuple(_path_in(folder, new.chosen.folder / path) for path in new.chosen.paths),
-                name=name,
-                **new.reading,
-                **_own_files(new, folder),
-            )
-            for new, name in zip(self.systems[n_open:], self.names[n_open:], strict=True)
-            if not new.chosen.is_empty
-        ]
+        systems += self._new_systems(folder, n_open)
         truth = joined(session.truth, self.truth, folder, self.purpose)
         is_same = (truth, *systems) == (session.truth, *session.systems)
         sources = dict(zip(("truth", *opened.whole.systems), session.sources, strict=True))
         now = dict(zip(sources, (truth, *systems), strict=False))
+        frames = session.frames
+        if self.frames.path is not None:
+            frames = _path_in(folder, self.frames.folder / self.frames.path)
         changed = replace(
             session,
             truth=truth,
             systems=tuple(systems),
-            frames=session.frames if self.frames.path is None else _path_in(folder, self._list),
+            frames=frames,
             only=(*session.only, *added) if session.only else (),
             recordings_file=None,
             hashes={
@@ -299,9 +287,18 @@ class Form:
             raise InputError("Choose the files to add, or those to take the place of others.")
         return with_recordings(changed, every, changes)
 
-    @property
-    def _list(self) -> Path:
-        return self.frames.folder / (self.frames.path or "")
+    def _new_systems(self, folder: Path, n_open: int = 0) -> list[SystemSource]:
+        """Return the systems with files behind those that are open."""
+        return [
+            SystemSource(
+                path=new.chosen.paths_from(folder),
+                name=name or None,
+                **new.reading,
+                **_own_files(new, folder),
+            )
+            for new, name in zip(self.systems[n_open:], self.names[n_open:], strict=True)
+            if not new.chosen.is_empty
+        ]
 
     def _with_room(self, session: Session, names: list[str]) -> Session:
         """Return the session ready for further recordings.
@@ -498,14 +495,16 @@ def joined(source: Source, new: SourceField, folder: Path, purpose: Purpose) -> 
     """
     if new.chosen.is_empty:
         return source
-    paths = [_path_in(folder, new.chosen.folder / path) for path in new.chosen.paths]
+    paths = new.chosen.paths_from(folder)
     if purpose == "add":
         return replace(source, path=(*source.path, *paths), **new.stated)
     by_name = {PurePosixPath(path).name: path for path in paths}
     names = [PurePosixPath(path).name for path in source.path]
     if len(names) > 1 and by_name.keys() <= {*names}:
-        paths = [by_name.get(name, path) for name, path in zip(names, source.path, strict=True)]
-    return replace(without_files_of_run(source), path=tuple(paths), **new.stated)
+        paths = tuple(
+            by_name.get(name, path) for name, path in zip(names, source.path, strict=True)
+        )
+    return replace(without_files_of_run(source), path=paths, **new.stated)
 
 
 def _n_boxes(dataset: Dataset, called: Mapping[str, str]) -> dict[tuple[str, str], int]:
@@ -551,8 +550,4 @@ def _stated(row: RecordingEntry) -> dict[str, Any]:
 
 def _own_files(system: SourceField, folder: Path) -> dict[str, Any]:
     """Return paths of further files of a system, by key of a ``[[system]]``."""
-    return {
-        key: _path_in(folder, file.folder / path)
-        for key, file in system.own.items()
-        for path in file.paths
-    }
+    return {key: path for key, file in system.own.items() for path in file.paths_from(folder)}

@@ -23,9 +23,8 @@ if TYPE_CHECKING:
     from nvcore.params import Params
     from nvcore.settings import OperatingPoint
     from nvcore.stages import Stage
-    from ui.data.form_session import Purpose
+    from ui.data.form_session import Chosen, Purpose
     from ui.data.opening import Trouble
-    from ui.data.upload import Uploaded
     from ui.detectors.trial import Levels
     from ui.session.workspace import Workspace
     from ui.shell.operating_point import Move
@@ -240,7 +239,7 @@ MORE_SYSTEMS = Family("more_systems", 0)
 """Number of fields for systems beyond the usual number, by form."""
 UPLOAD_CHOSEN = Entry("upload_chosen", False)
 """True if files were chosen in the form."""
-UPLOADED: Family[Uploaded | None] = Family("uploaded", None)
+UPLOADED: Family[Chosen | None] = Family("uploaded", None)
 """Stored files of a field of the form, by the field's key."""
 LOCAL_FOLDER = Entry("local_folder", "")
 LOCAL_NEXT: Entry[str | None] = Entry("local_next", None)
