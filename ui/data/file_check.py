@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
@@ -35,7 +35,6 @@ CUT_SHARE: Final = 0.3
 choice: the audit looks for less, but knows how near pedestrians are.)"""
 OF_BOX: Final = ["recording", "frame", "x", "y", "w", "h", "score"]
 """Columns by which boxes are compared."""
-_RATE: Final[dict[Role, frozenset[str]]] = {"truth": frozenset({"fps"}), "detections": frozenset()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +117,8 @@ def _check(
         if not error.facts:
             return FileCheck(trouble=error_text(error))
         # formats that need the size never hold a frame rate
-        return FileCheck(unknown=frozenset(error.facts) | _RATE[role], format=name)
+        rate = {"fps"} if role == "truth" else ()
+        return FileCheck(unknown=frozenset((*error.facts, *rate)), format=name)
     except NvcoreError as error:
         return FileCheck(trouble=error_text(error))
     frames = reading.boxes["frame"]
@@ -240,15 +240,4 @@ def _ends_early(check: FileCheck, truth: FileCheck | None) -> str:
     return (
         f"The detections end long before the ground truth: {listed(ends, most=MOST_NAMED)}. Check "
         "that the file is complete."
-    )
-
-
-def unusable(checks: Iterable[tuple[str, FileCheck | None]]) -> str:
-    """Return which fields, given by name, have files that cannot be used, or ""."""
-    titles = [title for title, check in checks if check is not None and check.trouble]
-    if not titles:
-        return ""
-    return (
-        f"The files of {' and '.join(titles)} cannot be used: the reason stands at "
-        f"{'its field' if len(titles) == 1 else 'their fields'}."
     )

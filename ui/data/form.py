@@ -28,8 +28,8 @@ from ui.data.form_session import (
     titles_by_name,
 )
 from ui.data.inputs import files_text
-from ui.data.missing_inputs import ask_for_missing, draw_reading
-from ui.data.names import draw_objects, draw_recording, draw_system_name, proposed_names
+from ui.data.missing_inputs import MissingInputs, ask_for_missing, draw_reading
+from ui.data.names import draw_name, draw_objects, draw_recording, proposed_names
 from ui.data.opening import draw_trouble, forget_outcome, try_to_open
 from ui.data.recordings import TypedRecordings, draw_before_opening
 from ui.data.side_files import (
@@ -37,7 +37,9 @@ from ui.data.side_files import (
     FRAMES_LABEL,
     RECORDINGS_HELP,
     RECORDINGS_LABEL,
+    ChosenPictures,
     FrameList,
+    RecordingsTable,
     draw_frame_list,
     draw_pictures,
     draw_recordings,
@@ -106,10 +108,9 @@ def draw_form(place: Place) -> None:
             recording = draw_recording(new_names, places, place=place.name, changed=changed)
     names = form_fields.draw_names(truth, systems, [*recordings, recording])
     pictures = draw_pictures(place.name, places, recordings, refused)
-    form = _ask(
-        Form(place, purpose, opened, objects, truth, systems, names, recordings, recording, frames,
-             table, series, pictures)
-    )  # fmt: skip
+    facts, typed = _ask(place.name, (truth, *systems), table, pictures)
+    form = Form(place, purpose, opened, objects, truth, systems, names, recordings, recording,
+                frames, table, series, pictures, facts, typed)  # fmt: skip
     draw_trouble(place.name)
     if button("Open these files" if opened is None else "Change the comparison",
               key=f"open_{place.name}", type="primary"):  # fmt: skip
@@ -261,11 +262,11 @@ class _Fields:
         )
         names = [*self.open_systems]
         for number, (system, name) in enumerate(zip(new, proposed, strict=True), start=n_open):
-            key = self.place.key(f"name_{number}")
+            key, label = self.place.key(f"name_{number}"), f"Name of {system.title}"
             with system.beside:
-                names.append(
-                    draw_system_name(system.title, name, number + 1, key=key, changed=self.changed)
-                )
+                names.append(draw_name(label, name, key=key, changed=self.changed))
+                if names[-1] == name == f"System {number + 1}":
+                    st.caption("The files' names do not tell which system this is: type its name.")
         return names
 
     def _check(self, source: SourceField, truth: FileCheck | None) -> FileCheck:
@@ -337,19 +338,15 @@ def _by_name(chosen: Chosen, recordings: Sequence[str]) -> dict[str, Path]:
     return {name: chosen.folder / path for name, path in whose.items()}
 
 
-def _ask(form: Form) -> Form:
-    """Ask what the files leave open."""
-    first = form.truth.check
-    unknown = {
-        name for check in form.checks.values() if check is not None for name in check.unknown
-    }
-    format_name = "" if first is None else first.format
-    unknown -= form.table.known([] if first is None else first.recordings)
-    sizes = {} if first is None else first.sizes
-    facts = ask_for_missing(
-        form.place.name, form.pictures.usable.values(), unknown, format_name, sizes
-    )
-    typed = TypedRecordings()
-    if unknown and first is not None:
-        typed = draw_before_opening(form.place.name, first, form.table.entries, facts)
-    return replace(form, facts=facts, typed=typed)
+def _ask(
+    place: str, sources: Sequence[SourceField], table: RecordingsTable, pictures: ChosenPictures
+) -> tuple[MissingInputs, TypedRecordings]:
+    """Ask what the files leave open, of all recordings and of each."""
+    checks = [source.check or FileCheck() for source in sources]
+    first = checks[0]
+    unknown = {name for check in checks for name in check.unknown} - table.known(first.recordings)
+    usable = pictures.usable.values()
+    facts = ask_for_missing(place, usable, unknown, first.format, first.sizes)
+    if not unknown:
+        return facts, TypedRecordings()
+    return facts, draw_before_opening(place, first, table.entries, facts)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from dataclasses import fields as dataclass_fields
-from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any, Final, Literal, Protocol
 
@@ -24,7 +23,7 @@ from nvcore.objects import Objects
 from nvcore.wording import MOST_NAMED, listed
 from ui.access.files import safe_name
 from ui.confined.reading import find_confined
-from ui.data.file_check import FileCheck, unusable
+from ui.data.file_check import FileCheck
 from ui.data.missing_inputs import MissingInputs
 from ui.data.names import with_recording_name
 from ui.data.recordings import TypedRecordings
@@ -198,13 +197,8 @@ class Form:
     table: RecordingsTable
     series: Mapping[str, Mapping[str, Path]]
     pictures: ChosenPictures
-    facts: MissingInputs = MissingInputs()
-    typed: TypedRecordings = field(default_factory=TypedRecordings)
-
-    @cached_property
-    def checks(self) -> dict[str, FileCheck | None]:
-        """The checks of the fields' files, by title, that of the ground truth first."""
-        return {source.title: source.check for source in (self.truth, *self.systems)}
+    facts: MissingInputs
+    typed: TypedRecordings
 
     def session(self) -> Session:
         """Return the session.
@@ -410,9 +404,12 @@ class Form:
 
     def _refuse_wrong(self) -> None:
         reasons = "cannot be used: the reason stands"
+        fields = (self.truth, *self.systems)
+        bad = [source.title for source in fields if source.check and source.check.trouble]
+        where = "its field" if len(bad) == 1 else "their fields"
         own = [file for system in self.systems for file in system.own.values()]
         for wrong in (
-            unusable(self.checks.items()),
+            bad and f"The files of {' and '.join(bad)} {reasons} at {where}.",
             *(file.trouble for file in own),
             self._overlap(),
             self.frames.trouble and f"The list of evaluated frames {reasons} at its field.",
