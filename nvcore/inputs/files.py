@@ -20,6 +20,7 @@ from nvcore.inputs.readers import NOTHING, detect_format, format_named, holds_no
 from nvcore.inputs.readers.base import Format, Role, SourceFile
 from nvcore.inputs.readers.meaning.names import NEUTRAL
 from nvcore.inputs.session import Session, Source
+from nvcore.wording import MOST_NAMED, listed
 
 NAME_PARTS = 3
 """How many parts of a path a file is shown by: enough for recording/gt/gt.txt."""
@@ -52,10 +53,10 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
         If the format cannot be recognised.
     """
     declared = None if source.format is None else format_named(source.format)
-    listed = [file for text in source.path for file in _expand(text, folder, role, declared)]
-    for file in listed:
+    expanded = [file for text in source.path for file in _expand(text, folder, role, declared)]
+    for file in expanded:
         _check_name(file.path)
-    files = list({file.path: file for file in listed}.values())
+    files = list({file.path: file for file in expanded}.values())
     # a seqinfo.ini sent along is read as what it is: facts about the recording beside it
     files = [file for file in files if file.path.name.lower() != "seqinfo.ini"] or files
     if declared is not None and role not in declared.roles:
@@ -227,9 +228,12 @@ def _refuse_truth_alone(path: Path, text: str) -> None:
     parts = others[0].relative_to(path).parts[1:] if others else ("det", "det.txt")
     pattern = "/".join((text.rstrip("/"), "*", *parts))
     there = "a pattern that matches files here" if others else "for example"
+    folders = listed(sorted({file.parent.name for file in others}), most=MOST_NAMED)
+    found = f", but the folders {folders}" if others else ""
     raise InputError(
-        "holds ground truth (*/gt/gt.txt) and no detections (*/det/det.txt); name the detections "
-        f"by a quoted pattern ({there}: '{pattern}')",
+        f"holds ground truth (*/gt/gt.txt) and no detections (*/det/det.txt){found}; name the "
+        f"detections of one system by a quoted pattern ({there}: '{pattern}'), or give an archive "
+        "of its files alone",
         file=text,
     )
 

@@ -10,7 +10,7 @@ import pandas as pd
 from nvcore.dataset import Dataset
 from nvcore.dataset.sources import ReadAs, left_out_text
 from nvcore.findings import Cases, Finding
-from nvcore.metrics.proximity.horizon import estimate_horizons
+from nvcore.metrics.proximity.horizon import Horizon, estimate_horizons
 from nvcore.output.cvat import cvat_bytes
 from nvcore.schema import NO_TRACK
 from nvcore.tables.columns import column_names
@@ -54,6 +54,13 @@ def left_out_table(dataset: Dataset) -> pd.DataFrame:
     return counts.rename("n_rows").reset_index()
 
 
+def open_horizons(dataset: Dataset) -> dict[str, Horizon]:
+    """Estimate the horizons of recordings that do not state theirs, by name."""
+    is_open = dataset.recordings["horizon"].isna()
+    facts = zip(dataset.recordings["name"], is_open, estimate_horizons(dataset), strict=True)
+    return {name: horizon for name, is_asked, horizon in facts if is_asked and horizon is not None}
+
+
 def horizons_table(dataset: Dataset) -> pd.DataFrame:
     """Tabulate estimated horizons of the recordings that do not state theirs.
 
@@ -61,14 +68,7 @@ def horizons_table(dataset: Dataset) -> pd.DataFrame:
     -------
     One row per recording with an estimate: recording, horizon (row of the picture, px).
     """
-    is_open = dataset.recordings["horizon"].isna()
-    rows = [
-        (name, round(horizon.row_px, 1))
-        for name, horizon, is_asked in zip(
-            dataset.recordings["name"], estimate_horizons(dataset), is_open, strict=True
-        )
-        if is_asked and horizon is not None
-    ]
+    rows = [(name, round(horizon.row_px, 1)) for name, horizon in open_horizons(dataset).items()]
     return pd.DataFrame(rows, columns=["recording", "horizon"])
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import pandas as pd
 import plotly.graph_objects as go
@@ -17,7 +17,7 @@ from nvcore.detection.operating_point import (
     false_alarm_curve,
     score_histogram,
 )
-from nvcore.detection.operating_point import operating_point as point_at
+from nvcore.detection.operating_point import operating_point as operating_point_of
 from nvcore.evidence.measures import primary_of
 from nvcore.figures.inputs import false_alarm_plot, score_plot
 from nvcore.measures.table import CLAIMABLE, choose_primary, inference_of
@@ -30,10 +30,11 @@ from ui.shell import operating_point, systems
 from ui.widgets.charts import draw_chart
 from ui.widgets.text import docs_link, number, plain
 
+T = TypeVar("T")
 EXACT_OPEN: Final = "exact_thresholds"
 """Whether the fields for exact thresholds are unfolded."""
 MOST_KEPT: Final = 32
-"""Curves and points that are kept for all sessions."""
+"""Curves, and points, that are kept."""
 PLOT_PX: Final = 250
 """Height of a plot, with its heading."""
 
@@ -196,16 +197,16 @@ def _draw_plots(letter: str, name: str) -> None:
 
 def _plots(letter: str, name: str, threshold: float | None) -> tuple[go.Figure, go.Figure]:
     """Scores of a system, and the false alarms that each threshold leaves."""
-    dataset, matching, theme = state.opened().dataset, state.params().only_for(MATCH), state.theme()
+    dataset, params, theme = state.opened().dataset, state.params(), state.theme()
     shown: dict[str, Any] = {"letter": letter, "name": name, "threshold": threshold, "theme": theme}
     return state.cached(  # they stay while the rest of the page changes
         "threshold_plots",
-        (letter, name, threshold, matching, theme),
+        (letter, name, threshold, params.only_for(MATCH), theme),
         lambda: (
             score_plot(score_histogram(dataset, name), **shown).update_layout(height=PLOT_PX),
-            false_alarm_plot(_false_alarm_curve(dataset, name, matching), **shown).update_layout(
-                height=PLOT_PX
-            ),
+            false_alarm_plot(
+                _counted(false_alarm_curve, dataset, name, params), **shown
+            ).update_layout(height=PLOT_PX),
         ),
         most=8,
     )
@@ -258,24 +259,18 @@ def _which_moves(x: str, y: str) -> str | None:
 def _point(
     dataset: Dataset, system: str, params: Params, threshold: float | None
 ) -> OperatingPoint:
-    return _operating_point(dataset, system, params.only_for(MATCH), threshold)
+    return _counted(operating_point_of, dataset, system, params, threshold=threshold)
 
 
-_cached_by_data = st.cache_resource(
-    max_entries=MOST_KEPT,
-    show_spinner="Counting false alarms",
-    # the fingerprint replaces the tables, which Streamlit would compare by a sample of their rows
-    hash_funcs={Dataset: lambda dataset: dataset.fingerprint},
-)
+def _counted(
+    count: Callable[..., T], dataset: Dataset, system: str, params: Params, **more: Any
+) -> T:
+    """Return what `count` makes of a system's false alarms, cached."""
+    matching = params.only_for(MATCH)
 
+    @st.spinner("Counting false alarms")
+    def make() -> T:
+        return count(dataset, system, matching, **more)
 
-@_cached_by_data
-def _false_alarm_curve(dataset: Dataset, system: str, matching: Params) -> pd.DataFrame:
-    return false_alarm_curve(dataset, system, matching)
-
-
-@_cached_by_data
-def _operating_point(
-    dataset: Dataset, system: str, matching: Params, threshold: float | None
-) -> OperatingPoint:
-    return point_at(dataset, system, matching, threshold=threshold)
+    key = (system, matching, *more.values())
+    return state.cached(count.__name__, key, make, most=MOST_KEPT)

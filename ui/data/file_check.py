@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
@@ -10,7 +10,10 @@ from typing import Final
 import numpy as np
 import pandas as pd
 import streamlit as st
+from numpy.typing import NDArray
+from pandas.util import hash_pandas_object
 
+from nvcore.auditing.coverage import MIN_SILENT
 from nvcore.auditing.recordings import kitti_sizes
 from nvcore.dataset.sources import left_out_text
 from nvcore.errors import MissingFactError, NvcoreError
@@ -18,6 +21,7 @@ from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.session import Source
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.schema import NO_TRACK
+from nvcore.wording import MOST_NAMED, listed
 from ui.confined.reading import find_confined, read_confined
 from ui.session import store
 from ui.session.workspace import Caching
@@ -27,9 +31,11 @@ from ui.widgets.text import plain
 USUAL_IN_KITTI: Final = ("kitti-tracking", "kitti-object")
 MOST_KEPT: Final = 40
 """Sources that are remembered, so that files are not read again at every click."""
-
-
-_RATE: Final[dict[Role, frozenset[str]]] = {"truth": frozenset({"fps"}), "detections": frozenset()}
+CUT_SHARE: Final = 0.3
+"""Share of a recording's frames with truth that come after its last detection in a cut file. (Our
+choice: the audit looks for less, but knows how near pedestrians are.)"""
+OF_BOX: Final = ["recording", "frame", "x", "y", "w", "h", "score"]
+"""Columns by which boxes are compared."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +45,9 @@ class FileCheck:
     `trouble` says why it cannot be used, `unknown` which of ``size`` and ``fps`` its files do not
     say; the `reading` is without its boxes. Without boxes there is no `first_frame`. `doubt` says
     why the files may belong into another field. `sizes` (px) are those of recordings whose files
-    state none, and whose boxes end at the edge of a picture of KITTI. `with_boxes` names the
-    recordings that have boxes.
+    state none, and whose boxes end at the edge of a picture of KITTI. `frames` has the
+    numbers of frames with boxes by recording, ascending; boxes of the truth that are to be ignored
+    do not count. `boxes` is the number of boxes and their hash, whatever their order.
     """
 
     trouble: str = ""
@@ -51,7 +58,8 @@ class FileCheck:
     reading: Reading | None = None
     doubt: str = ""
     sizes: Mapping[str, tuple[int, int]] = field(default_factory=dict)
-    with_boxes: frozenset[str] = frozenset()
+    frames: Mapping[str, NDArray[np.int64]] = field(default_factory=dict)
+    boxes: tuple[int, int] = (0, 0)
 
     @property
     def recordings(self) -> list[str]:
@@ -79,11 +87,16 @@ def check_files(
         of_both = (key(), objects, None if known is None else truth)
     except NvcoreError as error:
         return FileCheck(trouble=error_text(error))
-    checks = store.FILE_CHECKS.setdefault(Caching())
-    assert checks is not None
-    return checks.cached(
+    return check_cache().cached(
         "files", of_both, lambda: _check(source, role, folder, known, objects), most=MOST_KEPT
     )
+
+
+def check_cache() -> Caching:
+    """Return the session's cache of checked files and pictures."""
+    cache = store.FILE_CHECKS.setdefault(Caching())
+    assert cache is not None
+    return cache
 
 
 @st.spinner("Reading the files")
@@ -112,7 +125,8 @@ def _check(
         if not error.facts:
             return FileCheck(trouble=error_text(error))
         # formats that need the size never hold a frame rate
-        return FileCheck(unknown=frozenset(error.facts) | _RATE[role], format=name)
+        rate = {"fps"} if role == "truth" else ()
+        return FileCheck(unknown=frozenset((*error.facts, *rate)), format=name)
     except NvcoreError as error:
         return FileCheck(trouble=error_text(error))
     frames = reading.boxes["frame"]
@@ -125,9 +139,19 @@ def _check(
         summary += f", {n_ignored:,} of them to be ignored"
     doubt = (_doubt_of_truth if role == "truth" else _doubt_of_detections)(reading)
     sizes = _edge_sizes(reading) if name in USUAL_IN_KITTI and "size" in unknown else {}
-    with_boxes = frozenset(reading.boxes["recording"].unique())
-    light = _light(reading)
-    return FileCheck("", unknown, name, summary, first_frame, light, doubt, sizes, with_boxes)
+    counted = reading.boxes if role == "detections" else reading.boxes[~reading.boxes["ignore"]]
+    by_recording = counted.groupby("recording", observed=True)["frame"]
+    return FileCheck(
+        unknown=unknown,
+        format=name,
+        summary=summary,
+        first_frame=first_frame,
+        reading=_light(reading),
+        doubt=doubt,
+        sizes=sizes,
+        frames={str(name): np.unique(numbers) for name, numbers in by_recording},
+        boxes=(len(frames), int(hash_pandas_object(reading.boxes[OF_BOX], index=False).sum())),
+    )
 
 
 def _edge_sizes(reading: Reading) -> dict[str, tuple[int, int]]:
@@ -199,6 +223,8 @@ def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> 
             st.caption(f"Left out: {plain(left_out)}.")
     if check.doubt:
         st.warning(plain(check.doubt), icon=":material/swap_vert:")
+    if early := _ends_early(check, truth):
+        st.warning(plain(early), icon=":material/content_cut:")
     firsts = (check.first_frame, None if truth is None else truth.first_frame)
     if set(firsts) == {0, 1}:
         st.caption(
@@ -208,12 +234,18 @@ def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> 
         )
 
 
-def unusable(checks: Iterable[tuple[str, FileCheck | None]]) -> str:
-    """Return which fields, given by name, have files that cannot be used, or ""."""
-    titles = [title for title, check in checks if check is not None and check.trouble]
-    if not titles:
+def _ends_early(check: FileCheck, truth: FileCheck | None) -> str:
+    """Return in which recordings the detections end long before the ground truth, or ""."""
+    ends = []
+    for name, numbers in ({} if truth is None else truth.frames).items():
+        if (own := check.frames.get(name)) is None:
+            continue
+        n_after = int((numbers > own[-1]).sum())
+        if n_after >= max(MIN_SILENT, CUT_SHARE * len(numbers)):
+            ends.append(f"{name} at frame {own[-1]} of {numbers[-1]}")
+    if not ends:
         return ""
     return (
-        f"The files of {' and '.join(titles)} cannot be used: the reason stands at "
-        f"{'its field' if len(titles) == 1 else 'their fields'}."
+        f"The detections end long before the ground truth: {listed(ends, most=MOST_NAMED)}. Check "
+        "that the file is complete."
     )

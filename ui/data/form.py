@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache, partial
 from pathlib import Path
@@ -14,7 +14,7 @@ from nvcore.inputs.facts import labelled_paths
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import RecordingEntry, Source, SystemSource
 from nvcore.objects import Objects
-from nvcore.tables.inputs import inputs_table
+from nvcore.tables.inputs import inputs_table, left_out_table
 from nvcore.wording import listed
 from ui.data.file_check import FileCheck, check_files, draw_file_check
 from ui.data.form_session import (
@@ -27,8 +27,9 @@ from ui.data.form_session import (
     joined,
     titles_by_name,
 )
-from ui.data.missing_inputs import ask_for_missing, draw_reading
-from ui.data.names import draw_objects, draw_recording, draw_system_name, proposed_names
+from ui.data.inputs import files_text
+from ui.data.missing_inputs import MissingInputs, ask_for_missing, draw_reading
+from ui.data.names import draw_name, draw_objects, draw_recording, proposed_names
 from ui.data.opening import draw_trouble, forget_outcome, try_to_open
 from ui.data.recordings import TypedRecordings, draw_before_opening
 from ui.data.side_files import (
@@ -36,7 +37,9 @@ from ui.data.side_files import (
     FRAMES_LABEL,
     RECORDINGS_HELP,
     RECORDINGS_LABEL,
+    ChosenPictures,
     FrameList,
+    RecordingsTable,
     draw_frame_list,
     draw_pictures,
     draw_recordings,
@@ -44,7 +47,6 @@ from ui.data.side_files import (
 from ui.session import state, store
 from ui.session.opening import guess_pictures
 from ui.session.workspace import Opened
-from ui.shell.messages import without_paths
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
@@ -76,27 +78,22 @@ def draw_form(place: Place) -> None:
     place.begin("" if opened is None else f"change_{state.workspace().n_opened}_")
     objects = draw_objects(place.name, changed) if opened is None else opened.dataset.objects
     form_fields = _Fields(place, purpose, opened, objects, changed)
-    truth = form_fields.draw_source(
-        "truth",
-        "the ground truth",
-        "Ground truth",
-        "truth",
-        None if opened is None else opened.session.truth,
-    )
+    open_truth = None if opened is None else opened.session.truth
+    truth = form_fields.draw_source("truth", "the ground truth", "truth", open_truth)
     systems = form_fields.draw_systems(truth)
     new_names = [] if truth.check is None else truth.check.recordings
     recordings = new_names or form_fields.open_names
     with st.columns([1, 3])[1]:
-        rows = form_fields.choose("recordings", RECORDINGS_LABEL, help_text=RECORDINGS_HELP, most=1)
+        rows = place.choose("recordings", RECORDINGS_LABEL, help_text=RECORDINGS_HELP, most=1)
         below = st.container()
         frames = FrameList()
         if purpose == "new" or (purpose == "replace" and len(form_fields.open_names) == 1):
-            listing = form_fields.choose("frames", FRAMES_LABEL, help_text=FRAMES_HELP, most=1)
+            listing = place.choose("frames", FRAMES_LABEL, help_text=FRAMES_HELP, most=1)
             frames = draw_frame_list(listing, recordings)
         labels = labelled_paths(RecordingEntry)
         with st.expander(f"More by recording: {_beginnings(labels.values())}"):
             series = {
-                name: _by_name(form_fields.choose(name, label), recordings)
+                name: _by_name(place.choose(name, label), recordings)
                 for name, label in labels.items()
             }
     st.markdown("Pictures (not needed for the numbers)")
@@ -111,15 +108,21 @@ def draw_form(place: Place) -> None:
             recording = draw_recording(new_names, places, place=place.name, changed=changed)
     names = form_fields.draw_names(truth, systems, [*recordings, recording])
     pictures = draw_pictures(place.name, places, recordings, refused)
-    form = _ask(
-        Form(place, purpose, opened, objects, truth, systems, names, recordings, recording, frames,
-             table, series, pictures)
-    )  # fmt: skip
+    facts, typed = _ask(place.name, (truth, *systems), table, pictures)
+    form = Form(place, purpose, opened, objects, truth, systems, names, recordings, recording,
+                frames, table, series, pictures, facts, typed)  # fmt: skip
     draw_trouble(place.name)
     if button("Open these files" if opened is None else "Change the comparison",
               key=f"open_{place.name}", type="primary"):  # fmt: skip
         label = place.label if opened is None else opened.label
-        try_to_open(form.session, label=label, place=place.name, check=form.check, words=form.words)
+        try_to_open(
+            form.session,
+            label=label,
+            place=place.name,
+            check=form.check,
+            words=form.words,
+            field_of=form.field_of,
+        )
 
 
 def _beginnings(labels: Iterable[str]) -> str:
@@ -147,30 +150,42 @@ class _Fields:
         """Names of the open systems that files are added to."""
         return () if self.opened is None else self.opened.whole.systems
 
-    def choose(self, name: str, label: str, **more: Any) -> Chosen:
-        """Draw a field for files."""
-        return self.place.choose(name, label, **more)
-
     def draw_source(
-        self, name: str, title: str, label: str, role: Role, now: Source | None = None
+        self,
+        name: str,
+        title: str,
+        role: Role,
+        now: Source | None,
+        truth: Callable[[], FileCheck | None] = lambda: None,
     ) -> SourceField:
-        """Draw the fields of ground truth or of a system.
+        """Draw the fields of ground truth or of a system, and read the files by themselves.
 
         Parameters
         ----------
         now
             The source that is open.
+        truth
+            Reads the ground truth, only if a system has files: that takes long.
         """
+        label = "Ground truth" if role == "truth" else f"Detections of {plain(title)}"
         left, right = st.columns([1, 3])
         system = title if now is not None and role == "detections" else ""
         with right:
-            chosen = self.choose(name, label, help_text=FILES_HELP)
+            chosen = self.place.choose(name, label, help_text=FILES_HELP)
             below = st.container()
             reading, own = self._draw_rare(name, title, role, now)
         if now is not None and self.opened is not None:
-            left.caption(f"Now: {_files_now(self.opened, system)}")
+            table = inputs_table(self.opened.whole)
+            row = table[table["subject"] == system] if system else table
+            left.caption(f"Now: {files_text(row.iloc[0].to_dict())}")
         source = SourceField(title, role, system, chosen, reading, own, below, left)
-        return replace(source, check=self._truth_check(source)) if role == "truth" else source
+        if chosen.is_empty:
+            return source
+        against = truth()
+        check = self._check(source, against)
+        with below:
+            draw_file_check(check, against)
+        return replace(source, check=check)
 
     def _draw_rare(
         self, name: str, title: str, role: Role, now: Source | None
@@ -189,7 +204,10 @@ class _Fields:
                 typed = draw_reading(role, self.place.key(name), self.changed)
                 given = {key: value for key, value in typed.items() if value is not None}
                 reading = {**typed, **reading, **given}
-            own = {key: self.choose(f"{name}_{key}", text, most=1) for key, text in labels.items()}
+            own = {
+                key: self.place.choose(f"{name}_{key}", text, most=1)
+                for key, text in labels.items()
+            }
         return reading, own
 
     def draw_systems(self, truth: SourceField) -> list[SourceField]:
@@ -203,21 +221,22 @@ class _Fields:
             letter = {0: " (X)", 1: " (Y)"}.get(number, "")
             titles.append(f"system {number + 1}{letter}")
 
-        @cache  # reading the ground truth takes long, and only chosen files need it
+        @cache
         def against() -> FileCheck | None:
-            return truth.check if self.opened is None else self._open_truth(truth)
+            if self.opened is None:
+                return truth.check
+            session = self.opened.session
+            source = joined(session.truth, truth, session.folder, self.purpose)
+            return self._check_open(source, "truth", content=truth.chosen.content)
 
-        systems = []
+        systems: list[SourceField] = []
         for number, title in enumerate(titles):
-            label = f"Detections of {plain(title)}"
             source = now[number] if number < len(now) else None
-            system = self.draw_source(f"system_{number}", title, label, "detections", source)
-            with system.below:
-                check = None
-                if not system.chosen.is_empty:
-                    check = self._check(system, against())
-                    draw_file_check(check, against())
-            systems.append(replace(system, check=check))
+            system = self.draw_source(f"system_{number}", title, "detections", source, against)
+            if source is None and system.check is not None and system.check.boxes[0]:
+                with system.below:
+                    self._draw_same(system.check, systems, against())
+            systems.append(system)
         if self.purpose != "replace":
             st.button(
                 "Add a system",
@@ -243,24 +262,15 @@ class _Fields:
         )
         names = [*self.open_systems]
         for number, (system, name) in enumerate(zip(new, proposed, strict=True), start=n_open):
-            key = self.place.key(f"name_{number}")
+            key, label = self.place.key(f"name_{number}"), f"Name of {system.title}"
             with system.beside:
-                names.append(
-                    draw_system_name(system.title, name, number + 1, key=key, changed=self.changed)
-                )
+                names.append(draw_name(label, name, key=key, changed=self.changed))
+                if names[-1] == name == f"System {number + 1}":
+                    st.caption("The files' names do not tell which system this is: type its name.")
         return names
 
-    def _truth_check(self, truth: SourceField) -> FileCheck | None:
-        with truth.below:
-            check = self._check(truth, None)
-            draw_file_check(check)
-        return check
-
-    def _check(self, source: SourceField, truth: FileCheck | None) -> FileCheck | None:
-        """Read the files of a field by themselves, unless they are known."""
+    def _check(self, source: SourceField, truth: FileCheck | None) -> FileCheck:
         chosen = source.chosen
-        if chosen.is_empty:
-            return None
         if chosen.trouble:
             return FileCheck(trouble=chosen.trouble)
         role = source.role
@@ -274,23 +284,44 @@ class _Fields:
             objects=self.objects,
         )
 
-    def _open_truth(self, truth: SourceField) -> FileCheck | None:
-        """Read the ground truth that the open comparison will have."""
+    def _check_open(
+        self, source: Source, role: Role, truth: FileCheck | None = None, content: Hashable = ()
+    ) -> FileCheck:
+        """Read a source of the open comparison, with the files of a field of this `content`."""
         assert self.opened is not None
-        session = self.opened.session
-        source = joined(session.truth, truth, session.folder, self.purpose)
-        key = (state.workspace().n_opened, truth.chosen.content, repr(source))
+        key = (state.workspace().n_opened, content, repr(source), role)
         return check_files(
-            lambda: key, source, role="truth", folder=session.folder, objects=self.objects
+            lambda: key,
+            source,
+            role=role,
+            folder=self.opened.session.folder,
+            truth=truth,
+            objects=self.objects,
         )
 
-
-def _files_now(opened: Opened, system: str) -> str:
-    """Name the files that a source has now."""
-    table = inputs_table(opened.whole)
-    row = table[table["subject"] == system].iloc[0] if system else table.iloc[0]
-    more = f" and {row['n_files'] - 1:,} more" if row["n_files"] > 1 else ""
-    return f"{plain(without_paths(row['first_file']))}{more}"
+    def _draw_same(
+        self, check: FileCheck, before: Sequence[SourceField], truth: FileCheck | None
+    ) -> None:
+        """Say whether a further system has the same boxes as one that is open, or one above it."""
+        same = [
+            other.title
+            for other in before
+            if other.check is not None and other.check.boxes == check.boxes
+        ]
+        if self.opened is not None:
+            left_out = left_out_table(self.opened.whole).groupby("subject")["n_rows"].sum()
+            for name, system in zip(self.open_systems, self.opened.session.systems, strict=True):
+                n_boxes = len(self.opened.whole.system(name))
+                is_possible = n_boxes <= check.boxes[0] <= n_boxes + left_out.get(name, 0)
+                if (
+                    is_possible
+                    and self._check_open(system, "detections", truth).boxes == check.boxes
+                ):
+                    same.append(name)
+        if same:
+            st.warning(
+                f"The file has the same boxes as {plain(same[-1])}.", icon=":material/content_copy:"
+            )
 
 
 def _by_name(chosen: Chosen, recordings: Sequence[str]) -> dict[str, Path]:
@@ -307,20 +338,15 @@ def _by_name(chosen: Chosen, recordings: Sequence[str]) -> dict[str, Path]:
     return {name: chosen.folder / path for name, path in whose.items()}
 
 
-def _ask(form: Form) -> Form:
-    """Ask what the files leave open."""
-    first = form.truth.check
-    unknown = {
-        name for check in form.checks.values() if check is not None for name in check.unknown
-    }
-    format_name = "" if first is None else first.format
-    unknown -= form.table.known([] if first is None else first.recordings)
-    sizes = {} if first is None else first.sizes
-    facts = ask_for_missing(
-        form.place.name, form.pictures.usable.values(), unknown, format_name, sizes
-    )
-    others = {name: size for name, size in sizes.items() if len({*sizes.values()}) > 1}
-    typed = TypedRecordings()
-    if unknown:
-        typed = draw_before_opening(form.place.name, first, form.table.entries, facts, others)
-    return replace(form, facts=facts, sizes=others, typed=typed)
+def _ask(
+    place: str, sources: Sequence[SourceField], table: RecordingsTable, pictures: ChosenPictures
+) -> tuple[MissingInputs, TypedRecordings]:
+    """Ask what the files leave open, of all recordings and of each."""
+    checks = [source.check or FileCheck() for source in sources]
+    first = checks[0]
+    unknown = {name for check in checks for name in check.unknown} - table.known(first.recordings)
+    usable = pictures.usable.values()
+    facts = ask_for_missing(place, usable, unknown, first.format, first.sizes)
+    if not unknown:
+        return facts, TypedRecordings()
+    return facts, draw_before_opening(place, first, table.entries, facts)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from dataclasses import fields as dataclass_fields
-from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any, Final, Literal, Protocol
 
@@ -16,14 +16,14 @@ from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.file_kinds import unpacked_name
 from nvcore.inputs.changes import stated_by_recording
-from nvcore.inputs.facts import with_paths_in, without_files_of_run
+from nvcore.inputs.facts import labelled_paths, with_paths_in, without_files_of_run
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.objects import Objects
 from nvcore.wording import MOST_NAMED, listed
 from ui.access.files import safe_name
 from ui.confined.reading import find_confined
-from ui.data.file_check import FileCheck, unusable
+from ui.data.file_check import FileCheck
 from ui.data.missing_inputs import MissingInputs
 from ui.data.names import with_recording_name
 from ui.data.recordings import TypedRecordings
@@ -76,6 +76,15 @@ class Chosen:
     def is_empty(self) -> bool:
         """True if nothing was chosen."""
         return not (self.paths or self.trouble)
+
+    @property
+    def is_there(self) -> bool:
+        """False if files were removed since."""
+        return all((self.folder / path).exists() for path in self.paths)
+
+    def paths_from(self, folder: Path) -> tuple[str, ...]:
+        """Return the paths relative to another folder."""
+        return tuple(_path_in(folder, self.folder / path) for path in self.paths)
 
 
 class Place(Protocol):
@@ -173,8 +182,6 @@ class Form:
         Name of the only recording, or "".
     series
         Files by recording, by key of a ``[[recording]]``.
-    sizes
-        Sizes (px) by recording to which the boxes point, where they differ.
     """
 
     place: Place
@@ -190,14 +197,8 @@ class Form:
     table: RecordingsTable
     series: Mapping[str, Mapping[str, Path]]
     pictures: ChosenPictures
-    facts: MissingInputs = MissingInputs()
-    sizes: Mapping[str, tuple[int, int]] = field(default_factory=dict)
-    typed: TypedRecordings = field(default_factory=TypedRecordings)
-
-    @cached_property
-    def checks(self) -> dict[str, FileCheck | None]:
-        """The checks of the fields' files, by title, that of the ground truth first."""
-        return {source.title: source.check for source in (self.truth, *self.systems)}
+    facts: MissingInputs
+    typed: TypedRecordings
 
     def session(self) -> Session:
         """Return the session.
@@ -212,39 +213,24 @@ class Form:
         return session
 
     def _new(self) -> Session:
-        chosen = [
-            pair
-            for pair in zip(self.systems, self.names, strict=True)
-            if not pair[0].chosen.is_empty
-        ]
         if self.truth.chosen.is_empty:
             raise InputError(
                 "Choose the ground truth first: the boxes that both systems should find."
             )
-        if not chosen:
+        if all(system.chosen.is_empty for system in self.systems):
             raise InputError("Choose the detections of at least one system.")
         self._refuse_wrong()
         folder = self.truth.chosen.folder
-        systems = tuple(
-            SystemSource(
-                path=system.chosen.paths,
-                name=name or None,
-                **system.reading,
-                **_own_files(system, folder),
-            )
-            for system, name in chosen
-        )
-        truth = Source(path=self.truth.chosen.paths, **self.truth.reading)
-        session = self.facts.session(
-            frame_list=self.frames.path,
+        session = Session(
             folder=folder,
-            truth=truth,
-            systems=systems,
+            truth=Source(path=self.truth.chosen.paths, **self.truth.reading),
+            systems=tuple(self._new_systems(folder)),
+            frames=self.frames.path,
             recordings_file=self.table.file,
             objects=self.objects,
         )
-        session = self.place.finished(session)
-        is_complete = not (self.pictures.usable or self.recording or self.sizes)
+        session = self.place.finished(self.facts.added_to(session))
+        is_complete = not (self.pictures.usable or self.recording)
         if is_complete and not self.typed.changes and not any(self.series.values()):
             return session
         with st.spinner("Reading the ground truth"):
@@ -267,25 +253,19 @@ class Form:
             replace(joined(source, new, folder, self.purpose), **_own_files(new, folder))
             for source, new in zip(session.systems, self.systems, strict=False)
         ]
-        systems += [
-            SystemSource(
-                path=tuple(_path_in(folder, new.chosen.folder / path) for path in new.chosen.paths),
-                name=name,
-                **new.reading,
-                **_own_files(new, folder),
-            )
-            for new, name in zip(self.systems[n_open:], self.names[n_open:], strict=True)
-            if not new.chosen.is_empty
-        ]
+        systems += self._new_systems(folder, n_open)
         truth = joined(session.truth, self.truth, folder, self.purpose)
         is_same = (truth, *systems) == (session.truth, *session.systems)
         sources = dict(zip(("truth", *opened.whole.systems), session.sources, strict=True))
         now = dict(zip(sources, (truth, *systems), strict=False))
+        frames = session.frames
+        if self.frames.path is not None:
+            frames = _path_in(folder, self.frames.folder / self.frames.path)
         changed = replace(
             session,
             truth=truth,
             systems=tuple(systems),
-            frames=session.frames if self.frames.path is None else _path_in(folder, self._list),
+            frames=frames,
             only=(*session.only, *added) if session.only else (),
             recordings_file=None,
             hashes={
@@ -300,9 +280,18 @@ class Form:
             raise InputError("Choose the files to add, or those to take the place of others.")
         return with_recordings(changed, every, changes)
 
-    @property
-    def _list(self) -> Path:
-        return self.frames.folder / (self.frames.path or "")
+    def _new_systems(self, folder: Path, n_open: int = 0) -> list[SystemSource]:
+        """Return the systems with files behind those that are open."""
+        return [
+            SystemSource(
+                path=new.chosen.paths_from(folder),
+                name=name or None,
+                **new.reading,
+                **_own_files(new, folder),
+            )
+            for new, name in zip(self.systems[n_open:], self.names[n_open:], strict=True)
+            if not new.chosen.is_empty
+        ]
 
     def _with_room(self, session: Session, names: list[str]) -> Session:
         """Return the session ready for further recordings.
@@ -362,13 +351,17 @@ class Form:
                 f"Boxes would be lost: {words}. Name each file after its recording, and open all "
                 "of them by themselves."
             )
-        asked = store.ASKED_NAMES.of(f"{self.place.name}_lost")
-        if asked.get() != (words,):
-            asked.set((words,))
-            raise InputError(
-                f"No box would be left: {words}. If this is meant, press the button once more. "
-                "Else choose all files of that source, or those with the names of the ones before."
-            )
+        self._ask_once(
+            f"No box would be left: {words}. If this is meant, press the button once more. "
+            "Else choose all files of that source, or those with the names of the ones before."
+        )
+
+    def _ask_once(self, question: str) -> None:
+        """Raise InputError with a question, unless it was asked before."""
+        asked = store.ASKED_ONCE.of(self.place.name)
+        if question not in asked.get():
+            asked.set(asked.get() | {question})
+            raise InputError(question)
 
     @property
     def words(self) -> str:
@@ -389,20 +382,53 @@ class Form:
         verb = "Added" if self.purpose == "add" else "Replaced"
         return f"{verb}: {listed(parts, most=MOST_NAMED)}." if parts else ""
 
+    def field_of(self, file: str) -> str:
+        """Return the title of the field of a file that is read only with the session, or "".
+
+        Paths start from the folder of the session.
+        """
+        titles = {
+            path: labelled_paths(RecordingEntry)[key].partition(" (")[0]
+            for key, path_of in self.series.items()
+            for path in path_of.values()
+        } | {
+            chosen.folder / path: f"{system.title}, {label[:1].lower()}{label[1:]}"
+            for system in self.systems
+            for key, chosen in system.own.items()
+            for label in [labelled_paths(SystemSource)[key].partition(" (")[0]]
+            for path in chosen.paths
+        }
+        folder = self.truth.chosen.folder if self.opened is None else self.opened.session.folder
+        return titles.get(Path(os.path.normpath(folder / file)), "")
+
     def _refuse_wrong(self) -> None:
+        reasons = "cannot be used: the reason stands"
+        fields = (self.truth, *self.systems)
+        bad = [source.title for source in fields if source.check and source.check.trouble]
+        where = "its field" if len(bad) == 1 else "their fields"
         own = [file for system in self.systems for file in system.own.values()]
         for wrong in (
-            unusable(self.checks.items()),
+            bad and f"The files of {' and '.join(bad)} {reasons} at {where}.",
             *(file.trouble for file in own),
             self._overlap(),
-            self.frames.stops,
-            self.table.stops,
+            self.frames.trouble and f"The list of evaluated frames {reasons} at its field.",
+            self.table.trouble and f"The table of recordings {reasons} at its field.",
             self.pictures.stops,
-            self.typed.trouble,
+            self.typed.trouble and f"The table of the recordings {reasons} below it.",
         ):
             if wrong:
                 raise InputError(wrong)
-        self._ask_for_names()
+        unnamed = [
+            name
+            for number, (system, name) in enumerate(zip(self.systems, self.names, strict=True), 1)
+            if system.check is not None and name == f"System {number}"
+        ]
+        if unnamed:
+            self._ask_once(
+                f"The files' names do not tell what {listed(unnamed)} "
+                f"{'is' if len(unnamed) == 1 else 'are'}: type the names of the systems. "
+                "Or open once more to go on with these."
+            )
 
     def _overlap(self) -> str:
         """Say which added detections belong to recordings in which their system has some."""
@@ -415,7 +441,7 @@ class Form:
                 continue
             rows = whole.system(system.name).frame_index
             own = {names[number] for number in np.unique(whole.frame_columns.recording[rows])}
-            twice = sorted(own & {title_of.get(name, name) for name in system.check.with_boxes})
+            twice = sorted(own & {title_of.get(name, name) for name in system.check.frames})
             if twice:
                 return (
                     f"{system.name} has detections in {listed(twice)} already. To put the file in "
@@ -423,26 +449,10 @@ class Form:
                 )
         return ""
 
-    def _ask_for_names(self) -> None:
-        """Ask once for names that the files do not tell. Opening again keeps the numbers."""
-        unnamed = tuple(
-            name
-            for number, (system, name) in enumerate(zip(self.systems, self.names, strict=True), 1)
-            if system.check is not None and name == f"System {number}"
-        )
-        asked = store.ASKED_NAMES.of(self.place.name)
-        if unnamed and asked.get() != unnamed:
-            asked.set(unnamed)
-            raise InputError(
-                f"The files' names do not tell what {listed(unnamed)} "
-                f"{'is' if len(unnamed) == 1 else 'are'}: type the names of the systems. "
-                "Or open once more to go on with these."
-            )
-
     def _changes(self, session: Session, names: Sequence[str]) -> dict[str, dict[str, Any]]:
         """Return fields of `RecordingEntry` to be changed, by recording.
 
-        Pictures and sizes that the session states stay, if its files are opened by themselves.
+        Pictures that the session states stay, if its files are opened by themselves.
         """
         paths = {
             label: _path_in(session.folder, path) for label, path in self.pictures.usable.items()
@@ -458,9 +468,6 @@ class Form:
         for name, label in guess_pictures(names, paths).items():
             if self.opened or recording_entry(session, names, name).pictures is None:
                 changes[name]["pictures"] = paths[label]
-        for name, (width, height) in self.sizes.items():
-            if name in changes and recording_entry(session, names, name).width is None:
-                changes[name] |= {"width": float(width), "height": float(height)}
         for key, file_of in self.series.items():
             for name, file in file_of.items():
                 if name in changes:
@@ -484,14 +491,16 @@ def joined(source: Source, new: SourceField, folder: Path, purpose: Purpose) -> 
     """
     if new.chosen.is_empty:
         return source
-    paths = [_path_in(folder, new.chosen.folder / path) for path in new.chosen.paths]
+    paths = new.chosen.paths_from(folder)
     if purpose == "add":
         return replace(source, path=(*source.path, *paths), **new.stated)
     by_name = {PurePosixPath(path).name: path for path in paths}
     names = [PurePosixPath(path).name for path in source.path]
     if len(names) > 1 and by_name.keys() <= {*names}:
-        paths = [by_name.get(name, path) for name, path in zip(names, source.path, strict=True)]
-    return replace(without_files_of_run(source), path=tuple(paths), **new.stated)
+        paths = tuple(
+            by_name.get(name, path) for name, path in zip(names, source.path, strict=True)
+        )
+    return replace(without_files_of_run(source), path=paths, **new.stated)
 
 
 def _n_boxes(dataset: Dataset, called: Mapping[str, str]) -> dict[tuple[str, str], int]:
@@ -537,8 +546,4 @@ def _stated(row: RecordingEntry) -> dict[str, Any]:
 
 def _own_files(system: SourceField, folder: Path) -> dict[str, Any]:
     """Return paths of further files of a system, by key of a ``[[system]]``."""
-    return {
-        key: _path_in(folder, file.folder / path)
-        for key, file in system.own.items()
-        for path in file.paths
-    }
+    return {key: path for key, file in system.own.items() for path in file.paths_from(folder)}

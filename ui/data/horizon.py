@@ -9,7 +9,8 @@ from typing import Final
 import streamlit as st
 
 from nvcore.dataset import Dataset
-from nvcore.metrics.proximity.horizon import Horizon, estimate_horizons
+from nvcore.metrics.proximity.horizon import Horizon
+from nvcore.tables.inputs import open_horizons
 from nvcore.wording import count_text
 from ui.data.opening import try_to_open
 from ui.session import state
@@ -36,15 +37,9 @@ def draw() -> None:
     if not place.open:  # folded, it costs nothing
         return
     with place:
-        _draw_estimates(whole, open_horizons(whole), n_open)
-
-
-def open_horizons(whole: Dataset) -> dict[str, Horizon]:
-    """Estimates for those recordings that do not state the horizon, by name."""
-    with st.spinner("Estimating the horizon"):
-        horizons = estimate_horizons(whole)
-    facts = zip(whole.recordings["name"], whole.recordings["horizon"].isna(), horizons, strict=True)
-    return {name: horizon for name, is_open, horizon in facts if is_open and horizon is not None}
+        with st.spinner("Estimating the horizon"):
+            horizons = open_horizons(whole)
+        _draw_estimates(whole, horizons, n_open)
 
 
 def _draw_estimates(whole: Dataset, horizons: Mapping[str, Horizon], n_open: int) -> None:

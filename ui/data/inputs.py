@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Hashable, Mapping
 from pathlib import Path, PurePosixPath
-from typing import Final
+from typing import Any, Final
 
 import pandas as pd
 import streamlit as st
@@ -91,11 +92,10 @@ def _inputs(dataset: Dataset) -> pd.DataFrame:
         letter = {x: "X: ", y: "Y: "}.get(source["subject"], "")
         has_boxes = number <= len(dataset.systems)  # others are speeds and the like
         boxes = f"{source['n_boxes']:,}" if has_boxes else UNDEFINED
-        more = f" and {source['n_files'] - 1:,} more" if source["n_files"] > 1 else ""
         rows.append(
             {
                 "Source": f"{letter}{plain(source['subject'])}" if number else "Truth",
-                "Files": f"{plain(without_paths(source['first_file']))}{more}",
+                "Files": files_text(source),
                 "Format": plain(source["format"]),
                 "Boxes": f"{boxes}{'' if number else ignored}",
                 "Left out": plain(source["left_out"] or UNDEFINED),
@@ -103,6 +103,12 @@ def _inputs(dataset: Dataset) -> pd.DataFrame:
             }
         )
     return pd.DataFrame(rows)
+
+
+def files_text(source: Mapping[Hashable, Any]) -> str:
+    """Name the files of a row of the table of inputs, as Markdown."""
+    more = f" and {source['n_files'] - 1:,} more" if source["n_files"] > 1 else ""
+    return f"{plain(without_paths(source['first_file']))}{more}"
 
 
 def _without_old_name(conversion: str) -> str:

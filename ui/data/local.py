@@ -6,7 +6,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import streamlit as st
 
@@ -53,28 +53,21 @@ class LocalFiles:
         self, slot: str, label: str, *, help_text: str | None = None, most: int | None = None
     ) -> Chosen:
         """Draw a field for files and folders. Those chosen in other folders stay chosen."""
-        key = self.key(slot)
-        chosen: list[str] = store.widget(key, []).get()
-        options = [
-            entry.path
-            for entry in self.entries
-            if entry.path not in chosen and not (most == 1 and entry.is_folder)
-        ]
-        paths = st.multiselect(
-            label,
-            [*chosen, *options],
-            key=key,
-            on_change=forget_outcome,
-            args=(PLACE,),
-            max_selections=most,
-            help=help_text,
-        )
+        files = [entry for entry in self.entries if not (most == 1 and entry.is_folder)]
+        more = {"max_selections": most, "help": help_text}
+        paths = self._select(slot, label, files, on_change=forget_outcome, args=(PLACE,), **more)
         try:
             for path in paths:
                 self.root.find(path)
         except InputError as error:
             return Chosen(self.root.folder, trouble=str(error))
         return Chosen(self.root.folder, tuple(paths), known_as=tuple(paths), content=tuple(paths))
+
+    def _select(self, slot: str, label: str, entries: Sequence[Entry], **more: Any) -> list[str]:
+        key = self.key(slot)
+        chosen: list[str] = store.widget(key, []).get()
+        options = [entry.path for entry in entries if entry.path not in chosen]
+        return st.multiselect(label, [*chosen, *options], key=key, **more)
 
     def content(self, chosen: Chosen, source: Source, role: Role) -> Hashable:
         """Return a key that changes when a file does: a folder does not when one in it is edited.
@@ -98,10 +91,7 @@ class LocalFiles:
     def choose_pictures(self) -> tuple[dict[str, Path], list[str]]:
         """Draw the field for pictures."""
         places, missing = {}, []
-        key = self.key("pictures")
-        chosen: list[str] = store.widget(key, []).get()
-        options = [entry.path for entry in self.entries if entry.path not in chosen]
-        for path in st.multiselect("Pictures", [*chosen, *options], key=key):
+        for path in self._select("pictures", "Pictures", self.entries):
             try:
                 places[path] = self.root.find(path)
             except InputError as error:

@@ -12,14 +12,14 @@ import streamlit as st
 
 from nvcore.errors import MediaError
 from nvcore.inputs.box_layouts import KINDS, UNITS, BoxLayout
-from nvcore.inputs.facts import FRAME_NAMES as WAYS
-from nvcore.inputs.facts import FRAME_RANGE
+from nvcore.inputs.facts import FRAME_NAMES, FRAME_RANGE
 from nvcore.inputs.proposals import USUAL_INPUTS, UsualInputs
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session
 from nvcore.settings import MAX_FPS, MIN_FPS
 from nvcore.wording import capitalised
+from ui.data.file_check import check_cache
 from ui.data.opening import MISSING_WORDS
 from ui.session import state, store
 from ui.session.opening import checked_frames
@@ -28,27 +28,38 @@ from ui.widgets.text import plain
 MOST_CHECKS: Final = 256
 """Pictures that are remembered: a long video takes time to open."""
 MAX_SIZE_PX: Final = 100_000
-AUTOMATIC: Final = "by the content"
-AS_FORMAT: Final = "as the format has them"
-LAYOUTS: Final = {
-    str(layout): layout.text
-    for layout in (
-        *(BoxLayout(kind, yx, unit) for unit in UNITS for kind in KINDS for yx in (False, True)),
-        BoxLayout("centres", unit="shares", is_score_first=True),
-    )
+AS_USUAL: Final = "as usual for the format"
+READING: Final[Mapping[str, tuple[str, Mapping[str, Any]]]] = {
+    "frame_base": (
+        "Frame numbers",
+        {AS_USUAL: None, "the first frame is 0": 0, "the first frame is 1": 1},
+    ),
+    "box_base": (
+        "Coordinates",
+        {AS_USUAL: None, "the first pixel is 0": 0, "the first pixel is 1": 1},
+    ),
+    "boxes": (
+        "Numbers of a box",
+        {"as the format has them": None}
+        | {
+            f"{layout}: {layout.text}": str(layout)
+            for layout in (
+                *(
+                    BoxLayout(kind, yx, unit)
+                    for unit in UNITS
+                    for kind in KINDS
+                    for yx in (False, True)
+                ),
+                BoxLayout("centres", unit="shares", is_score_first=True),
+            )
+        },
+    ),
+    "frame_names": (
+        "Names of pictures",
+        {"by what they look like": None, **{way: way for way in FRAME_NAMES}},
+    ),
 }
-FRAME_BASES: Final = {
-    "as usual for the format": None,
-    "the first frame is 0": 0,
-    "the first frame is 1": 1,
-}
-BOX_BASES: Final = {
-    "as usual for the format": None,
-    "the first pixel is 0": 0,
-    "the first pixel is 1": 1,
-}
-FRAME_NAMES: Final = {"by what they look like": None, **{way: way for way in WAYS}}
-"""How names of pictures and large frame numbers are understood."""
+"""Labels and options of the choices how to read files, by field of a `Source`."""
 
 
 @dataclass(frozen=True)
@@ -58,17 +69,6 @@ class MissingInputs:
     size: tuple[int, int] | None = None
     fps: float | None = None
     frames: str | None = None
-
-    def session(self, *, frame_list: str | None = None, **parts: Any) -> Session:
-        """Make a session with these inputs and `parts`. A `frame_list` precedes a range.
-
-        Raises
-        ------
-        SessionError
-            If the frames are no range.
-        """
-        frames = frame_list or checked_frames(self.frames or "")
-        return Session(size=self.size, fps=self.fps, frames=frames, **parts)
 
     @property
     def of_recording(self) -> dict[str, Any]:
@@ -85,7 +85,7 @@ class MissingInputs:
         return {name: value for name, value in values.items() if value is not None}
 
     def added_to(self, session: Session) -> Session:
-        """Add these inputs to a session that was read from a file. None keeps its own.
+        """Add these inputs to a session. None keeps its own.
 
         Raises
         ------
@@ -116,17 +116,20 @@ def ask_for_missing(
     lacking = store.ASKED_FACTS.of(place)
     lacking.set(lacking.get().union(() if trouble is None else trouble.facts))
     asked = lacking.get() | set(unknown)
-    pictures, usual = list(pictures), USUAL_INPUTS.get(format_name)
+    usual = USUAL_INPUTS.get(format_name)
     if sizes and usual is not None:
         usual = _by_the_edges(usual, sizes)
     values: dict[str, Any] = {}
     if asked:
         words = " and ".join(MISSING_WORDS[fact] for fact in MISSING_WORDS if fact in asked)
         st.markdown(f"**Not in the files: {words}**")
+    checks = [check_pictures(path) for path in pictures]
     if "size" in asked:
-        values["size"] = _draw_size(place, picture_size(pictures), usual)
+        size = next((check.size for check in checks if check.size), None)
+        values["size"] = _draw_size(place, size, usual)
     if "fps" in asked:
-        values["fps"] = _draw_rate(place, picture_rate(pictures), usual)
+        rates = [check.fps for check in checks if check.fps and MIN_FPS <= check.fps <= MAX_FPS]
+        values["fps"] = _draw_rate(place, rates[0] if rates else None, usual)
     if "frames" in asked:
         values["frames"] = st.text_input(
             "Evaluated frames",
@@ -154,35 +157,28 @@ def _draw_size(
     of_format = None if usual is None else usual.size
     if of_format is not None and _is_typed(f"width_{place}", of_format[0]):
         of_pictures = None
-    proposed = of_pictures or of_format
-    if _is_typed(f"width_{place}", None):
-        proposed = None
-    width, height = proposed or (None, None)
-    left, right = st.columns(2)
-    wide = left.number_input(
-        "Width of the pictures (px)",
-        1,
-        MAX_SIZE_PX,
-        value=width,
-        step=1,
-        key=f"width_{place}_{width}",
-        placeholder="such as 640",
-    )
-    high = right.number_input(
-        "Height of the pictures (px)",
-        1,
-        MAX_SIZE_PX,
-        value=height,
-        step=1,
-        key=f"height_{place}_{height}",
-        placeholder="such as 480",
-    )
+    proposed = None if _is_typed(f"width_{place}", None) else of_pictures or of_format
+    sides = [
+        column.number_input(
+            f"{side.capitalize()} of the pictures (px)",
+            1,
+            MAX_SIZE_PX,
+            value=value,
+            step=1,
+            key=f"{side}_{place}_{value}",
+            placeholder=f"such as {example}",
+        )
+        for column, side, value, example in zip(
+            st.columns(2), ("width", "height"), proposed or (None, None), (640, 480), strict=True
+        )
+    ]
     if proposed is not None and of_pictures is not None:
         st.caption("The size of the pictures given; boxes have to be in the same pixels.")
     elif proposed is not None and usual is not None:
         others = f"; some of its recordings have {usual.others}" if usual.others else ""
         usually = f"The usual size in {usual.name}{others}."
         st.caption(plain(usual.note or usually))
+    wide, high = sides
     return None if wide is None or high is None else (int(wide), int(high))
 
 
@@ -195,9 +191,7 @@ def _draw_rate(place: str, of_pictures: float | None, usual: UsualInputs | None)
     of_format = None if usual is None else usual.fps
     if of_format is not None and _is_typed(f"fps_{place}", of_format):
         of_pictures = None
-    proposed = of_pictures or of_format
-    if _is_typed(f"fps_{place}", None):
-        proposed = None
+    proposed = None if _is_typed(f"fps_{place}", None) else of_pictures or of_format
     rate = st.number_input(
         "Frames per second of the camera",
         MIN_FPS,
@@ -225,24 +219,12 @@ def _draw_rate(place: str, of_pictures: float | None, usual: UsualInputs | None)
 
 def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str, Any]:
     """Fields of `nvcore.inputs.session.Source` that are rarely needed."""
-    titles = {form.title: form.name for form in FORMATS if role in form.roles}
-    title = st.selectbox("Format", [AUTOMATIC, *titles], key=f"format_{key}", on_change=changed)
-    frame_base = st.selectbox(
-        "Frame numbers", list(FRAME_BASES), key=f"frame_base_{key}", on_change=changed
-    )
-    box_base = st.selectbox(
-        "Coordinates", list(BOX_BASES), key=f"box_base_{key}", on_change=changed
-    )
-    boxes = st.selectbox(
-        "Numbers of a box",
-        ["", *LAYOUTS],
-        format_func=lambda name: f"{name}: {LAYOUTS[name]}" if name else AS_FORMAT,
-        key=f"boxes_{key}",
-        on_change=changed,
-    )
-    frame_names = st.selectbox(
-        "Names of pictures", list(FRAME_NAMES), key=f"frame_names_{key}", on_change=changed
-    )
+    formats = {form.title: form.name for form in FORMATS if role in form.roles}
+    choices = {"format": ("Format", {"by the content": None} | formats), **READING}
+    reading: dict[str, Any] = {
+        name: options[st.selectbox(label, list(options), key=f"{name}_{key}", on_change=changed)]
+        for name, (label, options) in choices.items()
+    }
     classes = st.text_input(
         "Classes that count",
         key=f"classes_{key}",
@@ -251,25 +233,7 @@ def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str,
         help="Names or numbers, with commas between them.",
     )
     class_names = tuple(name.strip() for name in classes.split(",") if name.strip())
-    return {
-        "format": titles.get(title),
-        "frame_base": FRAME_BASES[frame_base],
-        "box_base": BOX_BASES[box_base],
-        "boxes": boxes or None,
-        "frame_names": FRAME_NAMES[frame_names],
-        "classes": class_names or None,
-    }
-
-
-def picture_size(paths: Iterable[Path]) -> tuple[int, int] | None:
-    """Size of the first pictures that can be opened."""
-    return next((check.size for check in map(check_pictures, paths) if check.size), None)
-
-
-def picture_rate(paths: Iterable[Path]) -> float | None:
-    """Frame rate of the first pictures that state one, within what can be given."""
-    rates = (check.fps for check in map(check_pictures, paths))
-    return next((rate for rate in rates if rate is not None and MIN_FPS <= rate <= MAX_FPS), None)
+    return reading | {"classes": class_names or None}
 
 
 @dataclass(frozen=True)
@@ -290,14 +254,9 @@ def check_pictures(path: Path) -> PictureCheck:
         status = path.stat()
     except OSError as error:
         return PictureCheck(trouble=f"cannot be opened ({error.strerror})")
-    checks = store.PICTURE_CHECKS.setdefault({})
     key = (path, status.st_mtime_ns, status.st_size)
-    check = checks.pop(key, None) or _check_pictures(path)
-    if not (check.trouble and path.is_dir()):
-        checks[key] = check  # moved to the end: the least recently used goes first
-        while len(checks) > MOST_CHECKS:
-            del checks[next(iter(checks))]
-    return check
+    check = check_cache().cached("pictures", key, lambda: _check_pictures(path), most=MOST_CHECKS)
+    return _check_pictures(path) if check.trouble and path.is_dir() else check
 
 
 def _check_pictures(path: Path) -> PictureCheck:

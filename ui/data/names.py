@@ -58,16 +58,6 @@ def draw_name(label: str, proposed: str, *, key: str, changed: Callable[[], None
     return (typed or "").strip() or proposed
 
 
-def draw_system_name(
-    title: str, proposed: str, number: int, *, key: str, changed: Callable[[], None]
-) -> str:
-    """Draw the field for the name of a system, with a note if the files give none."""
-    name = draw_name(f"Name of {title}", proposed, key=key, changed=changed)
-    if name == proposed == f"System {number}":
-        st.caption("The files' names do not tell which system this is: type its name.")
-    return name
-
-
 def draw_recording(
     recordings: Sequence[str],
     pictures: Iterable[str],

@@ -10,7 +10,7 @@ from typing import Final
 import streamlit as st
 
 from nvcore.dataset import Dataset
-from nvcore.errors import MissingFactError, NvcoreError
+from nvcore.errors import InputError, MissingFactError, NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.wording import listed
 from ui.session import state, store
@@ -54,6 +54,7 @@ def try_to_open(
     place: str = SESSION,
     check: Callable[[Dataset], None] | None = None,
     words: str = "",
+    field_of: Callable[[str], str] = lambda _: "",
 ) -> None:
     """Open a session, called `label` on the pages.
 
@@ -65,6 +66,8 @@ def try_to_open(
         Called with the data before they are shown. Its errors are treated like those of files.
     words
         What was changed, for the message after opening.
+    field_of
+        Returns the title of the field with a file, for its errors, or "".
     """
     store.TROUBLES.of(place).pop()
     store.OPENED_WORDS.set(words)
@@ -74,7 +77,8 @@ def try_to_open(
     except MissingFactError as error:
         trouble = Trouble(_question(error.facts) or error_text(error), label, error.facts)
     except NvcoreError as error:
-        trouble = Trouble(error_text(error), label)
+        title = field_of(error.file) if isinstance(error, InputError) and error.file else ""
+        trouble = Trouble(f"{title}: {error_text(error)}" if title else error_text(error), label)
     # only reached when it failed: opening something starts the run again
     store.TROUBLES.of(place).set(trouble)
     st.rerun()

@@ -13,7 +13,8 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, NvcoreError
+from nvcore.errors import InputError, NvcoreError, SessionError
+from nvcore.inputs.readers.base import Reading
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.params.traffic import context_word, count_contexts, parse_context
@@ -33,19 +34,10 @@ NAMES_ALONE: Final = frozenset({"title", "tags"})
 """Fields that can be changed without reading the files again."""
 
 
-def _positive(text: str) -> float:
-    number = float(text or "nan")
-    if not 0 < number < np.inf:
-        found = f"{number:g}" if text else "nothing"
-        raise ValueError(f"expected a positive number, found {found}")
-    return number
-
-
-def _finite(text: str) -> float:
-    number = float(text)
-    if not np.isfinite(number):
-        raise ValueError(f"expected a finite number, found {number:g}")
-    return number
+def _stated(text: str) -> float:
+    if not text:
+        raise ValueError("expected a positive number, found nothing")
+    return float(text)
 
 
 def _frame_number(text: str) -> int:
@@ -85,8 +77,8 @@ COLUMNS: Final = {
         _name,
         key="title",
     ),
-    "width": _Column(_number("Width (px)", width=95, min_value=1), _positive),
-    "height": _Column(_number("Height (px)", width=98, min_value=1), _positive),
+    "width": _Column(_number("Width (px)", width=95, min_value=1), _stated),
+    "height": _Column(_number("Height (px)", width=98, min_value=1), _stated),
     "fps": _Column(
         _number(
             "Frames/s",
@@ -95,7 +87,7 @@ COLUMNS: Final = {
             max_value=MAX_FPS,
             help="Frames per second of the camera.",
         ),
-        _positive,
+        _stated,
     ),
     "context": _Column(
         st.column_config.TextColumn(
@@ -114,7 +106,7 @@ COLUMNS: Final = {
             help="Of the car, for the time left to brake; empty: not stated, then the sidebar's "
             "speed is assumed.",
         ),
-        _positive,
+        float,
         is_optional=True,
     ),
     "horizon": _Column(
@@ -125,7 +117,7 @@ COLUMNS: Final = {
             help="Row of the horizon, from the top of the picture, for nearness by horizon; empty: "
             "not known.",
         ),
-        _finite,
+        float,
         is_optional=True,
     ),
     "tags": _Column(
@@ -166,25 +158,19 @@ RESULTS: Final = {
 """Columns that cannot be edited."""
 
 
-def rows_of(
-    entries: Sequence[RecordingEntry], pictures: Mapping[str, str] | None = None
-) -> pd.DataFrame:
-    """Make the table of recordings, with texts as a person types them.
+def rows_of(entries: Sequence[RecordingEntry]) -> pd.DataFrame:
+    """Make the table of recordings, with texts as a person types them."""
+    table = {key: [getattr(entry, key) for entry in entries] for key in COLUMNS}
+    return _as_typed(pd.DataFrame(table, dtype=object), {})
 
-    Parameters
-    ----------
-    pictures
-        Label of each recording's pictures, by its name.
-    """
-    table = pd.DataFrame(
-        {key: [getattr(entry, key) for entry in entries] for key in COLUMNS}, dtype=object
-    )
-    labels = pictures or {}
+
+def _as_typed(table: pd.DataFrame, pictures: Mapping[str, str]) -> pd.DataFrame:
+    """Return the table with texts as a person types them, and labels of `pictures` by recording."""
     return table.assign(
-        context=[_context_text(entry.context) for entry in entries],
-        tags=["; ".join(entry.tags) for entry in entries],
-        unit=[entry.unit or "" for entry in entries],
-        pictures=[labels.get(entry.name, NO_PICTURES) for entry in entries],
+        context=table["context"].map(_context_text),
+        tags=table["tags"].map("; ".join),
+        unit=[unit or "" for unit in table["unit"]],
+        pictures=[pictures.get(name, NO_PICTURES) for name in table["name"]],
     ).astype(dict.fromkeys(NUMBERS, float))
 
 
@@ -197,19 +183,11 @@ def _context_text(value: float | None) -> str:
 
 def editable(dataset: Dataset, session: Session, labels: Mapping[str, str]) -> pd.DataFrame:
     """Make the table of the open recordings. Only the session knows the first picture's frame."""
-    table = dataset.recordings
-    given = session.entries(table["name"].tolist())
-    facts = ("width", "height", "fps", "context", "speed_kmh", "horizon")
-    entries = []
-    for row in table.to_dict("records"):  # at most hundreds
-        name = row["name"]
-        stated: dict[str, Any] = {
-            fact: None if pd.isna(row[fact]) else float(row[fact]) for fact in facts
-        }
-        first = given[name].first_picture if name in given else None
-        entry = RecordingEntry(name, tags=row["tags"], unit=row["unit"] or None, **stated)
-        entries.append(replace(entry, first_picture=first))
-    return rows_of(entries, labels)
+    names = dataset.recordings["name"].tolist()
+    entries = session.entries(names)
+    first = [entries[name].first_picture if name in entries else None for name in names]
+    table = dataset.recordings.assign(first_picture=np.array(first, dtype=object), pictures=None)
+    return _as_typed(table[list(COLUMNS)], labels)
 
 
 def saved(dataset: Dataset, session: Session) -> bytes:
@@ -258,9 +236,12 @@ def changes_in(
                 continue
             try:
                 value = None if column.is_optional and not text else column.parse(text)
+                change[column.key or name] = pictures.get(text) if name == "pictures" else value
+                RecordingEntry(str(old["name"]), **change)  # the rules for a session's
             except ValueError as error:
                 raise InputError(f"recording {old['name']!r}: {name}: {error}") from error
-            change[column.key or name] = pictures.get(text) if name == "pictures" else value
+            except SessionError as error:
+                raise InputError(f"recording {old['name']!r}: {error}") from error
         if change:
             changes[str(old["name"])] = change
     return changes
@@ -310,11 +291,7 @@ class TypedRecordings:
 
 
 def draw_before_opening(
-    place: str,
-    truth: FileCheck | None,
-    rows: Mapping[str, RecordingEntry],
-    facts: MissingInputs,
-    sizes: Mapping[str, tuple[int, int]],
+    place: str, truth: FileCheck, rows: Mapping[str, RecordingEntry], facts: MissingInputs
 ) -> TypedRecordings:
     """Draw the table of several recordings of which the files do not say all.
 
@@ -328,44 +305,37 @@ def draw_before_opening(
         Of a table of recordings that was sent.
     facts
         What was filled in for all of them.
-    sizes
-        Where their boxes end, if that differs.
     """
-    if truth is None or truth.reading is None or len(truth.recordings) < 2:
+    if truth.reading is None or len(truth.recordings) < 2:
         return TypedRecordings()
-    proposed = _proposed(truth, rows, facts, sizes)
+    sizes = truth.sizes if len({*truth.sizes.values()}) > 1 else {}
+    known = _proposed(truth.reading, rows, facts, {})
+    proposed = _proposed(truth.reading, rows, facts, sizes)
     with st.expander("Size, frame rate and tags by recording", expanded=bool(sizes)):
         st.caption("As proposed; click a cell to change it. Empty: nothing is known.")
         key = f"recordings_{place}_{hash(tuple(truth.recordings))}"
         after = _edit(proposed, key=key, columns=BEFORE_OPENING, disabled=("name",))
         try:
-            return TypedRecordings(changes_in(proposed, after, {}))
+            return TypedRecordings(changes_in(known, after, {}))
         except InputError as error:
             st.error(plain(error), icon=":material/error:")
-            return TypedRecordings(
-                trouble="The table of the recordings cannot be used: the reason stands below it."
-            )
+            return TypedRecordings(trouble=str(error))
 
 
 def _proposed(
-    truth: FileCheck,
+    truth: Reading,
     rows: Mapping[str, RecordingEntry],
     facts: MissingInputs,
     sizes: Mapping[str, tuple[int, int]],
 ) -> pd.DataFrame:
     """Propose for each recording its row in the table sent, else its files, its edge, or all's."""
-    assert truth.reading is not None
-    names = truth.recordings
+    names = truth.recordings["name"].tolist()
     table = rows_of([replace(rows.get(name, RecordingEntry(name)), name=name) for name in names])
-    size, edges = facts.size or (np.nan, np.nan), pd.Series(sizes, dtype=object)
-    for number, name in enumerate(("width", "height")):
-        of_files = truth.reading.recordings[name].astype(float)
-        at_edge = table["name"].map(edges).map(lambda edge, at=number: edge[at], na_action="ignore")
-        proposals = (of_files, at_edge.astype(float), pd.Series(float(size[number]), table.index))
-        for proposal in proposals:
-            table[name] = table[name].fillna(proposal)
-    of_all = np.nan if facts.fps is None else facts.fps
-    table["fps"] = table["fps"].fillna(truth.reading.recordings["fps"].astype(float)).fillna(of_all)
+    width, height = facts.size or (None, None)
+    for column, of_all, at in (("width", width, 0), ("height", height, 1), ("fps", facts.fps, 2)):
+        at_edge = [sizes[name][at] if at < 2 and name in sizes else of_all for name in names]
+        of_files = truth.recordings[column].astype(float)
+        table[column] = table[column].fillna(of_files).fillna(pd.Series(at_edge, dtype=float))
     return table
 
 

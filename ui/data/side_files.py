@@ -68,13 +68,6 @@ class RecordingsTable:
     line_of: Mapping[str, int] = field(default_factory=dict)
 
     @property
-    def stops(self) -> str:
-        """Reason why nothing is opened yet, or ""."""
-        if not self.trouble:
-            return ""
-        return "The table of recordings cannot be used: the reason stands at its field."
-
-    @property
     def file(self) -> RecordingsFile | None:
         """The table as a session names it."""
         return None if self.path is None else RecordingsFile(self.path)
@@ -101,13 +94,6 @@ class FrameList:
     trouble: str = ""
     folder: Path = Path()
 
-    @property
-    def stops(self) -> str:
-        """Reason why nothing is opened yet, or ""."""
-        if not self.trouble:
-            return ""
-        return "The list of evaluated frames cannot be used: the reason stands at its field."
-
 
 @dataclass(frozen=True)
 class ChosenPictures:
@@ -118,37 +104,31 @@ class ChosenPictures:
 
 
 def _read(
-    chosen: Chosen,
-    read: Callable[[str], T],
-    refuse: Callable[[str], T],
-    expected: str,
-    most_bytes: float = np.inf,
-) -> T:
-    """Read a small file, unless it was read and has not changed.
+    chosen: Chosen, read: Callable[[str], T], expected: str, most_bytes: float = np.inf
+) -> T | str:
+    """Read a small file, unless it was read and has not changed. Return why it cannot be used.
 
     Parameters
     ----------
-    refuse
-        Makes the result for a file that cannot be used, from the reason.
     expected
         The reason for what is no file, or larger than `most_bytes`.
     """
     if chosen.trouble:
-        return refuse(chosen.trouble)
+        return chosen.trouble
     path = chosen.paths[0]
     file = chosen.folder / path
     try:
         status = file.stat()
     except OSError as error:
-        return refuse(f"cannot be opened ({error.strerror})")
+        return f"cannot be opened ({error.strerror})"
     if not file.is_file() or status.st_size > most_bytes:
-        return refuse(f"expected {expected}")
+        return f"expected {expected}"
 
-    def read_or_refuse() -> T:
+    def read_or_refuse() -> T | str:
         try:
             return read(path)
         except NvcoreError as error:
-            return refuse(error_text(error))
+            return error_text(error)
 
     key = (str(file), status.st_mtime_ns, status.st_size)
     return state.workspace().cached(expected, key, read_or_refuse)
@@ -174,12 +154,8 @@ def draw_recordings(
         entries = {name: entry for name, (_, entry) in rows.items()}
         return RecordingsTable(path, entries, line_of={name: n for name, (n, _) in rows.items()})
 
-    table = _read(
-        chosen,
-        read,
-        lambda trouble: RecordingsTable(trouble=trouble),
-        "a CSV file with a line for each recording",
-    )
+    found = _read(chosen, read, "a CSV file with a line for each recording")
+    table = RecordingsTable(trouble=found) if isinstance(found, str) else found
     others = [name for name in table.line_of if recordings and name not in recordings]
     if others:
         reason = no_such_recording(others[0], recordings)
@@ -221,13 +197,8 @@ def draw_frame_list(chosen: Chosen, recordings: Sequence[str]) -> FrameList:
             summary += f", {steps[0]} apart"
         return FrameList(path, summary, folder=chosen.folder)
 
-    frame_list = _read(
-        chosen,
-        read,
-        lambda trouble: FrameList(trouble=trouble),
-        "a text file with one frame number a line",
-        MOST_BYTES,
-    )
+    found = _read(chosen, read, "a text file with one frame number a line", MOST_BYTES)
+    frame_list = FrameList(trouble=found) if isinstance(found, str) else found
     if not frame_list.trouble and len(recordings) > 1:
         frame_list = replace(
             frame_list,

@@ -38,20 +38,6 @@ _OPENED: Final = "upload_opened"
 
 
 @dataclass(frozen=True)
-class Uploaded:
-    """Files of a field on disk, by the ids that identify their content."""
-
-    ids: tuple[str, ...]
-    chosen: Chosen
-
-    @property
-    def is_there(self) -> bool:
-        """False if the files could not be stored, or were removed since."""
-        paths = [self.chosen.folder / path for path in self.chosen.paths]
-        return not self.chosen.trouble and all(path.exists() for path in paths)
-
-
-@dataclass(frozen=True)
 class OpenedFrom:
     """Section of the form that files were opened from last, its fields with files, and theirs."""
 
@@ -115,15 +101,14 @@ class Uploads:
             return self._stored(slot, key, files)
 
     def _stored(self, slot: str, key: str, files: Sequence[UploadedFile]) -> Chosen:
-        uploaded, ids = store.UPLOADED.of(key), _ids(files)
-        before = uploaded.get()
-        if before is not None and before.ids == ids and before.is_there:
-            return before.chosen
-        chosen = Chosen(self.space.folder)
-        if files:
-            with st.spinner("Storing the files"):
-                chosen = self._store(slot, files)
-        uploaded.set(Uploaded(ids, chosen))
+        kept, ids = store.UPLOADED.of(key), _ids(files)
+        chosen = kept.get()
+        if chosen is None or chosen.content != ids or not chosen.is_there:
+            chosen = Chosen(self.space.folder)
+            if files:
+                with st.spinner("Storing the files"):
+                    chosen = self._store(slot, files)
+            kept.set(chosen)
         return chosen
 
     def _store(self, slot: str, files: Sequence[UploadedFile]) -> Chosen:

@@ -20,10 +20,8 @@ if TYPE_CHECKING:
     from nvcore.driver.comparison.judging import DriverRegion
     from nvcore.params import Params
     from nvcore.settings import OperatingPoint
-    from ui.data.form_session import Purpose
-    from ui.data.missing_inputs import PictureCheck
+    from ui.data.form_session import Chosen, Purpose
     from ui.data.opening import Trouble
-    from ui.data.upload import Uploaded
     from ui.detectors.trial import Levels
     from ui.session.workspace import Caching, Workspace
     from ui.shell.operating_point import Move
@@ -202,11 +200,10 @@ OPENING_SHOWN: Entry[int | None] = Entry("data_opened_shown", None)
 OPENING_DRAWN: Family[int | None] = Family("data_drawn", None)
 """Opening that a part of the page has drawn."""
 FILE_CHECKS: Entry[Caching | None] = Entry("file_checks", None)
-PICTURE_CHECKS: Entry[dict[Hashable, PictureCheck]] = Entry("picture_checks", {})
 PROPOSED_NAMES: Family[str] = Family("told", "")
 """Name that the files propose, by field."""
-ASKED_NAMES: Family[tuple[str, ...]] = Family("asked_names", ())
-"""Systems whose names a form has asked for."""
+ASKED_ONCE: Family[frozenset[str]] = Family("asked_once", frozenset())
+"""Questions that a form has asked, which pressing its button again answers."""
 ASKED_FACTS: Family[frozenset[str]] = Family("asked", frozenset())
 """Facts that a form asks for because the files lack them."""
 FORM_PURPOSE: Family[Purpose] = Family("form_purpose", "new")
@@ -214,7 +211,7 @@ MORE_SYSTEMS = Family("more_systems", 0)
 """Number of fields for systems beyond the usual number, by form."""
 UPLOAD_CHOSEN = Entry("upload_chosen", False)
 """True if files were chosen in the form."""
-UPLOADED: Family[Uploaded | None] = Family("uploaded", None)
+UPLOADED: Family[Chosen | None] = Family("uploaded", None)
 """Stored files of a field of the form, by the field's key."""
 LOCAL_FOLDER = Entry("local_folder", "")
 LOCAL_NEXT: Entry[str | None] = Entry("local_next", None)

@@ -39,7 +39,8 @@ def test_the_boxes_of_a_checked_file_are_not_kept(
         x = np.full(1_000, 2.0)
         tables.append(weakref.ref(x))
         boxes = pd.DataFrame(
-            {"recording": "t", "frame": np.ones(len(x), np.int64), "ignore": False, "x": x},
+            {"recording": "t", "frame": np.ones(len(x), np.int64), "ignore": False, "x": x}
+            | dict.fromkeys(("y", "w", "h", "score"), 1.0),
             copy=False,
         )
         annotated = pd.DataFrame({"recording": "t", "frame": boxes["frame"]})

@@ -15,7 +15,7 @@ from nvcore.errors import SessionError
 from nvcore.inputs.session import Session, Source
 from pages import scripted
 from ui.confined.pictures import PictureProcess
-from ui.data.missing_inputs import MissingInputs, check_pictures, picture_rate, picture_size
+from ui.data.missing_inputs import MissingInputs, PictureCheck, check_pictures
 
 VIDEO = ROOT / "sample_data" / "odd_pose.mp4"
 
@@ -38,21 +38,17 @@ def test_a_video_is_opened_once_for_its_size_and_again_when_it_was_replaced(
     tmp_path: Path, opened: list[Path]
 ):
     video = Path(shutil.copy(VIDEO, tmp_path / "drive.mp4"))
-    assert [picture_size([video]) for _ in range(3)] == [(640, 480)] * 3
+    assert [check_pictures(video).size for _ in range(3)] == [(640, 480)] * 3
     assert opened == [video]
     os.utime(video, ns=(1, 1))
-    picture_size([video])
+    check_pictures(video)
     assert opened == [video, video]
 
 
-def test_size_and_rate_are_those_of_the_first_that_can_be_opened_the_others_say_why(
-    tmp_path: Path,
-):
+def test_pictures_have_a_size_and_a_rate_or_say_why_they_cannot_be_opened(tmp_path: Path):
     gone, text = tmp_path / "gone.mp4", tmp_path / "no.mp4"
     text.write_bytes(b"no video")
-    assert picture_size([gone, text, VIDEO]) == (640, 480)
-    assert picture_rate([gone, VIDEO]) == 20
-    assert picture_rate([gone]) is None
+    assert check_pictures(VIDEO) == PictureCheck((640, 480), 20)
     assert "is text, not pictures" in check_pictures(text).trouble
     assert "No such file" in check_pictures(gone).trouble
 
@@ -80,8 +76,8 @@ def test_a_folder_of_pictures_that_was_mended_in_place_is_opened_again(tmp_path:
 
 def test_what_pictures_are_is_kept_for_one_session(tmp_path: Path, opened: list[Path]):
     video = Path(shutil.copy(VIDEO, tmp_path / "drive.mp4"))
-    script = "from pathlib import Path\nfrom ui.data.missing_inputs import picture_size\n"
-    script += f"assert picture_size([Path({str(video)!r})]) == (640, 480)\n"
+    script = "from pathlib import Path\nfrom ui.data.missing_inputs import check_pictures\n"
+    script += f"assert check_pictures(Path({str(video)!r})).size == (640, 480)\n"
     scripted(script).run().run()
     assert len(opened) == 1
     assert not scripted(script).run().exception

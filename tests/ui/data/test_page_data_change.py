@@ -65,6 +65,7 @@ def test_a_system_joins_those_that_are_open_and_nothing_else_changes(page, tmp_p
         page, "add", system_2=write(tmp_path / "lidar.csv", (tmp_path / "fir.csv").read_text())
     )
     assert "Now: truth.csv" in texts(page)
+    assert "The file has the same boxes as fir." in texts(page)
     press(page, "open_upload")
     after = space_of(page).opened
     assert after.dataset.systems == ("fir", "nir", "lidar")

@@ -35,7 +35,8 @@ def test_corners_taken_for_sizes_are_put_right_with_one_click(tmp_path):
 
 def test_how_boxes_are_written_is_chosen_at_the_field(tmp_path):
     page = of_scene(tmp_path, x="corners")
-    page.selectbox(key="boxes_upload_system_0").set_value("corners")
+    boxes = page.selectbox(key="boxes_upload_system_0")
+    boxes.set_value(next(option for option in boxes.options if option.startswith("corners: ")))
     open_files(page)
     assert [s.boxes for s in space_of(page).opened.session.systems] == ["corners", None]
     assert "The boxes seem to be" not in texts(page)

@@ -101,7 +101,7 @@ def test_the_table_is_saved_as_a_csv_that_fills_it_again(tmp_path: Path):
     ("values", "words"),
     [
         ({"width": None}, "recording 'a': width: expected a positive number, found nothing"),
-        ({"fps": -3}, "recording 'a': fps: expected a positive number, found -3"),
+        ({"fps": -3}, "recording 'a': fps: expected a number from 0.001 to 10000, found -3"),
         ({"name": " "}, "recording 'a': name: expected a name"),
         ({"context": "city"}, "recording 'a': context"),
         ({"speed_kmh": 0}, "recording 'a': speed_kmh: expected a positive number, found 0"),

@@ -437,3 +437,60 @@ def test_a_gap_in_a_list_of_pictures_is_asked_about_at_its_field(tmp_path: Path)
     (field,) = [box for box in page.selectbox if box.key == "frame_names_upload_truth"]
     checked(field.set_value("scenes").run())
     assert not page.error
+
+
+@pytest.mark.parametrize(
+    ("field", "title"),
+    [("speed", "Speed of the car over time"), ("system_0_alerts", "system 1 (X), its own log of")],
+)
+def test_an_error_in_a_further_file_names_its_field(tmp_path: Path, field: str, title: str):
+    page = late_page(tmp_path)
+    send(page, f"upload_{field}", ("mine.csv", b"a,b\n"))
+    (_, error) = (error.value.replace("\\", "") for error in open_files(page).error)
+    assert error.startswith(title)
+    assert ": mine.csv, line 1: " in error
+
+
+def test_boxes_that_another_system_has_are_pointed_out_at_the_field(tmp_path: Path):
+    page = sent_drive(tmp_path, "fir.csv", "nir.csv")
+    assert "the same boxes" not in texts(page)
+    header, *rows = (tmp_path / "fir.csv").read_text().splitlines()
+    other = "\n".join([header, *reversed(rows)]).encode()
+    send(page, "upload_system_1", ("other.csv", other))
+    assert "The file has the same boxes as system 1 (X)." in texts(checked(page.run()))
+
+
+def test_detections_that_end_long_before_the_truth_are_pointed_out_at_the_field(tmp_path: Path):
+    truth, late = late_drive(tmp_path)
+    half = b"\n".join(late.splitlines()[:91])  # frames 3 to 32 of 60
+    assert "end long before" not in texts(late_page(tmp_path))
+    page = sent(truth, ("half.csv", half))
+    assert "The detections end long before the ground truth: truth at frame 32 of 59" in texts(page)
+
+
+@pytest.mark.parametrize(
+    ("others", "folders"),
+    [
+        (("det_frcnn/A.txt", "det_sdp/A.txt"), "det_frcnn and det_sdp look like one system each"),
+        (
+            ("A/gt/gt.txt", "A/det_frcnn/det.txt", "B/det_sdp/det.txt"),
+            "no detections (*/det/det.txt), but the folders det_frcnn and det_sdp",
+        ),
+    ],
+)
+def test_an_archive_of_several_systems_names_their_folders(others: tuple[str, ...], folders: str):
+    rows = b"".join(b"%d,1,10,10,20,40,1,1,1\n" % frame for frame in range(1, 30))
+
+    def packed(*names: str) -> bytes:
+        content = io.BytesIO()
+        with zipfile.ZipFile(content, "w") as archive:
+            for name in names:
+                archive.writestr(name, rows)
+        return content.getvalue()
+
+    page = opened()
+    send(page, "upload_truth", ("gt.zip", packed("A/gt/gt.txt", "B/gt/gt.txt")))
+    send(page, "upload_system_0", ("all.zip", packed(*others)))
+    (error,) = [error.value.replace("\\", "") for error in checked(page.run()).error]
+    assert folders in error
+    assert "archive of" in error

@@ -18,6 +18,7 @@ import pandas as pd
 from nvcore.errors import InputError
 from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Remedy, Step
+from nvcore.wording import listed
 
 _PICTURE: Final = "jpe?g|png|bmp|tiff?|webp|avif|heic|ppm|pgm"
 _VIDEO: Final = "mp4|avi|mov|mkv|webm|m4v|mpe?g|wmv|ts"
@@ -210,14 +211,36 @@ def recordings_of(
     first: dict[str, str] = {}
     for name, recording in zip(names, recordings, strict=True):
         if recording in first:
+            folders = _folders_apart(names, first[recording], name)
+            advice = (
+                f"the folders {listed(folders)} look like one system each: give a system only the "
+                "files of its own folder (a pattern, or an archive of these alone)"
+                if folders and known
+                else "name the files or their folders by the recordings, or give one of the two"
+            )
             raise InputError(
                 f"holds recording {recording!r}, as {first[recording]} does; expected one file "
-                "per recording: name the files or their folders by the recordings, or give one "
-                "of the two",
+                f"per recording: {advice}",
                 file=name,
             )
         first[recording] = name
     return recordings, facts
+
+
+def _folders_apart(names: Sequence[str], one: str, other: str) -> list[str]:
+    """Return the folders at the only place where two paths differ, of all paths as long as these.
+
+    Examples
+    --------
+    >>> _folders_apart(["A/frcnn/det.txt", "A/sdp/det.txt"], "A/frcnn/det.txt", "A/sdp/det.txt")
+    ['frcnn', 'sdp']
+    """
+    parts, others = one.split("/"), other.split("/")
+    places = [at for at, pair in enumerate(zip(parts, others, strict=False)) if len({*pair}) > 1]
+    if len(parts) != len(others) or len(places) != 1 or places[0] == len(parts) - 1:
+        return []
+    paths = [name.split("/") for name in names]
+    return sorted({path[places[0]] for path in paths if len(path) == len(parts)})
 
 
 def recording_and_frame_of(name: str, known: tuple[str, ...] = ()) -> tuple[str, int] | None:
