@@ -69,14 +69,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     Corners are the first and last pixel inside, 0-based. A scene without a sign has no row: the
     evaluated frames are those of ``scenes.txt`` in the same folder, else of the pictures there,
     else of the rows.
-
-    Raises
-    ------
-    InputError
-        If two files are of one recording, a picture's name has no number, no class counts, or a
-        class that should count is none.
-    FormatError
-        With file and line of the first row that is of another layout.
     """
     tables = [file for file in files if PurePosixPath(file.name).name != SCENES]
     if not tables:

@@ -72,13 +72,6 @@ def read_object(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     Pixels are 0-based, corners inclusive. Pedestrian counts, Person_sitting (neutral in KITTI's
     evaluation) and DontCare are ignore regions, other types are left out. The camera's Z becomes
     the distance.
-
-    Raises
-    ------
-    InputError
-        If a file name has no number, two files are of one frame, or a class is unknown.
-    FormatError
-        With file and line of the first row that is not KITTI object.
     """
     named = listed_frames(files, options)
     table = stacked([read_numbers(file, OBJECT) for file in files])
@@ -91,13 +84,6 @@ def read_tracking(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     Frames and pixels are 0-based, corners inclusive. Pedestrian counts, Person and Person_sitting
     (neutral in KITTI's evaluation) and DontCare are ignore regions, other types are left out. The
     camera's Z becomes the distance.
-
-    Raises
-    ------
-    InputError
-        If two files are of one recording, or a class is unknown.
-    FormatError
-        With file and line of the first row that is not KITTI tracking.
     """
     names, assumed = recordings_of([file.name for file in files], options.recordings)
     table = stacked([read_numbers(file, TRACKING) for file in files])
@@ -176,13 +162,6 @@ def read_detections(files: Sequence[SourceFile], options: ReadOptions) -> Readin
 
     Frames and pixels are 0-based, corners inclusive. In the 15-column layout type 1 (Pedestrian)
     counts, other types are left out, and the camera's Z becomes the distance.
-
-    Raises
-    ------
-    InputError
-        If two files are of one recording, or a class is unknown.
-    FormatError
-        With file and line of the first row that has other columns, or no corners.
     """
     names, assumed = recordings_of([file.name for file in files], options.recordings)
     facts = ["frame numbers kept (0-based)", CORNERS]

@@ -102,13 +102,6 @@ def read(
 
     Classes are those of MOTChallenge, of a ``labels.txt`` beside the file (CVAT), or VisDrone's;
     of results those of the truth.
-
-    Raises
-    ------
-    InputError
-        If two files are of one recording, or a class is unknown.
-    FormatError
-        With file and line of the first row that is not MOTChallenge.
     """
     files = [file for file in files if not is_class_file(file.name)] or files
     infos = [sequence_info(file) for file in files]

@@ -152,13 +152,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     are 0-based and continuous. Boxes marked as outside are not boxes. Between two keyframes the
     boxes that the file leaves out are filled in, as CVAT does. Size, start, stop and step of the
     task give the evaluated frames.
-
-    Raises
-    ------
-    InputError
-        If two files are of one recording, or a class is unknown.
-    FormatError
-        With file and line of what is not CVAT for video.
     """
     contents = [read_cvat(file, kind="track") for file in files]
     units = [
