@@ -86,6 +86,14 @@ def test_it_is_read_as_the_csv_file_of_the_same_rows(tmp_path: Path):
         assert ours.conversion == theirs.conversion
 
 
+def test_the_terminal_names_boxes_by_their_row(tmp_path: Path):
+    drive(tmp_path)
+    for path in tmp_path.glob("*.csv"):
+        pq.write_table(pa.csv.read_csv(path), path.with_suffix(".parquet"))
+    run = nvcore("compare", *(text.replace(".csv", ".parquet") for text in flags(tmp_path)))
+    assert "fir.parquet, row 0, recording urban, frame 0" in run.stderr
+
+
 @pytest.mark.parametrize(
     "values",
     [
