@@ -90,7 +90,8 @@ def test_the_terminal_names_boxes_by_their_row(tmp_path: Path):
     drive(tmp_path)
     for path in tmp_path.glob("*.csv"):
         pq.write_table(pa.csv.read_csv(path), path.with_suffix(".parquet"))
-    run = nvcore("compare", *(text.replace(".csv", ".parquet") for text in flags(tmp_path)))
+    given = (text.replace(".csv", ".parquet") for text in flags(tmp_path, "--json"))
+    run = nvcore("compare", *given)
     assert "fir.parquet, row 0, recording urban, frame 0" in run.stderr
 
 
