@@ -18,9 +18,6 @@ _MAX_XZ_MEMORY: Final = 1 << 28
 """What unpacking may take; the strongest setting of xz needs 65 MiB."""
 _CHUNK: Final = 1 << 20
 
-_PADDING: Final = b"\x00\x00\x00\x00"
-"""May stand between the parts of an xz file, and at its end."""
-
 
 class _Source(Protocol):
     def read(self, size: int, /) -> bytes: ...
@@ -97,7 +94,10 @@ class Unpacking(io.RawIOBase):
 
 
 class _Xz:
-    """The content of an xz file of one or more parts; memory is limited, unlike `lzma.open`."""
+    """The content of an xz file of one or more parts without padding.
+
+    Memory is limited, unlike that of `lzma.open`.
+    """
 
     def __init__(self, packed: io.BufferedReader):
         self._packed, self._decoder = packed, self._new()
@@ -110,7 +110,7 @@ class _Xz:
         while True:
             rest = b""
             if self._decoder.eof:
-                rest = self._next_part()
+                rest = self._decoder.unused_data or self._packed.read(_CHUNK)
                 if not rest:
                     return b""
                 self._decoder = self._new()
@@ -120,10 +120,3 @@ class _Xz:
                     raise EOFError("the end is missing")
             if part := self._decoder.decompress(rest, max_length=size):
                 return part
-
-    def _next_part(self) -> bytes:
-        """What follows the end of a part; empty at the end of the file."""
-        rest = self._decoder.unused_data or self._packed.read(_CHUNK)
-        while rest.startswith(_PADDING):
-            rest = rest[len(_PADDING) :] or self._packed.read(_CHUNK)
-        return rest

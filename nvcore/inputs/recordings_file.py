@@ -12,60 +12,27 @@ by commas, semicolons (with tags in quotes; a comma may then be the decimal sign
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Callable, Iterator
+import math
 from dataclasses import fields, replace
-from io import StringIO
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
+import numpy as np
+
 from nvcore.errors import SessionError
 from nvcore.inputs.readers.base import SourceFile
-from nvcore.inputs.readers.parse.text import read_text
+from nvcore.inputs.readers.parse.table import TextTable, parse_table
+from nvcore.inputs.readers.parse.text import read_text_bytes
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session
-from nvcore.output.csv_text import without_safeguard
 from nvcore.params.traffic import parse_context
 from nvcore.wording import did_you_mean
 
 NAME: Final = "recording"
 MAX_BYTES: Final = 16 << 20
 """Tens of thousands of recordings."""
-MOST_RECORDINGS: Final = 100_000
-
-
-def _number(text: str) -> float:
-    try:
-        return float("" if "_" in text else text)  # Python's own 1_000 is no number in a table
-    except ValueError as error:
-        raise ValueError(f"expected a number, found {text!r}") from error
-
-
-def _whole_number(text: str) -> int:
-    number = _number(text)
-    if not number.is_integer():
-        raise ValueError(f"expected a whole number, found {text!r}")
-    return int(number)
-
-
-def _tags(text: str) -> tuple[str, ...]:
-    return tuple(tag.strip() for tag in text.split(";") if tag.strip())
-
-
-COLUMNS: Final[dict[str, Callable[[str], Any]]] = {
-    NAME: str,
-    "width": _number,
-    "height": _number,
-    "fps": _number,
-    "context": parse_context,
-    "speed_kmh": _number,
-    "horizon": _number,
-    "tags": _tags,
-    "pictures": str,
-    "first_picture": _whole_number,
-    "title": str,
-    "unit": str,
-}
-"""What the file may hold, and how a cell is read."""
+NUMBERS: Final = ("width", "height", "fps", "speed_kmh", "horizon", "first_picture")
+COLUMNS: Final = (NAME, *NUMBERS, "context", "tags", "pictures", "title", "unit")
+"""What the file may hold."""
 
 
 def with_recordings_file(session: Session, *, goes_first: bool = False) -> Session:
@@ -123,80 +90,49 @@ def read_recordings_file(path: Path, name: str) -> dict[str, tuple[int, Recordin
         If it cannot be used; with the line.
     """
     file = SourceFile(path, name)
-    rows = _rows(file)
-    header_line, header = next(rows, (1, []))
-    columns = _columns(file, header_line, header)
+    if file.is_larger_than(MAX_BYTES):
+        raise file.fault(f"expected a table of recordings, found more than {MAX_BYTES >> 20} MiB")
+    table = parse_table(read_text_bytes(file), name=name, what="recordings", required=(NAME,))
+    for column in table.fields:
+        if column not in COLUMNS:
+            hint = did_you_mean(column, COLUMNS, f"the columns are {', '.join(COLUMNS)}")
+            raise file.fault(f"there is no column {column!r}; {hint}", 1)
+    names = table.texts(NAME)
+    table.unique((NAME,), "the recording {recording!r} is there twice; leave one of the two")
+    numbers = {of: table.numbers(of, may_be_empty=True) for of in NUMBERS if of in table}
+    first = numbers.get("first_picture", np.empty(0))
+    table.refuse(
+        (first % 1) > 0,
+        lambda row: f"first_picture: expected a whole number, found {first[row]:g}",
+    )
     entries: dict[str, tuple[int, RecordingEntry]] = {}
-    for line, cells in rows:
-        if len(cells) != len(columns):
-            raise file.fault(
-                f"expected {len(columns)} cells, as in the first line, found {len(cells)}", line
-            )
-        if len(entries) >= MOST_RECORDINGS:
-            raise file.fault(f"expected {MOST_RECORDINGS:,} recordings at the most", line)
-        entry = _entry(file, line, dict(zip(columns, cells, strict=True)))
-        if entry.name in entries:
-            raise file.fault(
-                f"the recording {entry.name!r} stands in line {entries[entry.name][0]} already; "
-                "leave one of the two",
-                line,
-            )
-        entries[entry.name] = line, entry
+    for row, recording in enumerate(names):
+        known: dict[str, Any] = {of: float(values[row]) for of, values in numbers.items()}
+        known = {of: value for of, value in known.items() if not math.isnan(value)}
+        known |= {"first_picture": int(known["first_picture"])} if "first_picture" in known else {}
+        try:
+            entry = RecordingEntry(recording, **known, **_texts(table, row, PurePosixPath(name)))
+        except SessionError as error:
+            raise table.fault(row, error.message) from error
+        entries[recording] = int(table.lines[row]), entry
     return entries
 
 
-def _rows(file: SourceFile) -> Iterator[tuple[int, list[str]]]:
-    """Line number and cells of each row that is not empty, white space around cells removed."""
-    if file.is_larger_than(MAX_BYTES):
-        raise file.fault(f"expected a table of recordings, found more than {MAX_BYTES >> 20} MiB")
-    text = read_text(file)
-    delimiter = max(",;\t", key=text.lstrip().split("\n", 1)[0].count)
-    reader = csv.reader(StringIO(text, newline=""), delimiter=delimiter, strict=True)
-    try:
-        for cells in reader:
-            row = [without_safeguard(cell.strip()) for cell in cells]
-            if any(row):
-                yield reader.line_num, [*map(_with_point, row)] if delimiter == ";" else row
-    except csv.Error as error:
-        raise file.fault(f"is no CSV: {error}", reader.line_num) from error
-
-
-def _with_point(cell: str) -> str:
-    """A number with a decimal comma as one with a point."""
-    whole, comma, rest = cell.partition(",")
-    is_number = comma and whole.isascii() and whole.isdigit() and rest.isascii() and rest.isdigit()
-    return f"{whole}.{rest}" if is_number else cell
-
-
-def _columns(file: SourceFile, line: int, header: list[str]) -> list[str]:
-    columns = [cell.lower() for cell in header]
-    expected = f"expected a first line such as {','.join(COLUMNS)}"
-    if NAME not in columns:
-        raise file.fault(f"{expected}; the column {NAME} is missing", line)
-    for number, name in enumerate(columns):
-        if name not in COLUMNS:
-            hint = did_you_mean(name, COLUMNS, f"the columns are {', '.join(COLUMNS)}")
-            raise file.fault(f"there is no column {name!r}; {hint}", line)
-        if name in columns[:number]:
-            raise file.fault(f"the column {name} stands there twice", line)
-    return columns
-
-
-def _entry(file: SourceFile, line: int, cells: dict[str, str]) -> RecordingEntry:
-    values: dict[str, Any] = {}
-    for column, text in cells.items():
-        if not text:
-            continue
-        try:
-            values[column] = COLUMNS[column](text)
-        except ValueError as error:
-            raise file.fault(f"{column}: {error}", line) from error
-    name = values.pop(NAME, None)
-    if name is None:
-        raise file.fault("expected a name of the recording, found an empty cell", line)
+def _texts(table: TextTable, row: int, file: PurePosixPath) -> dict[str, Any]:
+    """What the cells of a row that are no numbers say, by their columns; nothing of empty ones."""
+    columns = [of for of in ("context", "tags", "pictures", "title", "unit") if of in table]
+    values: dict[str, Any] = {of: text for of in columns if (text := table.fields[of][row])}
+    if "tags" in values:
+        parts = map(str.strip, values["tags"].split(";"))
+        values["tags"] = tuple(filter(None, parts))
     if "pictures" in values:
-        values["pictures"] = (PurePosixPath(file.name).parent / values["pictures"]).as_posix()
-    try:
-        return RecordingEntry(name, **values)
-    except SessionError as error:
-        raise file.fault(error.message, line) from error
+        values["pictures"] = (file.parent / values["pictures"]).as_posix()
+    if "context" in values:
+        text = values["context"]
+        try:
+            values["context"] = parse_context(
+                text.replace(",", ".") if table.has_decimal_comma else text
+            )
+        except ValueError as error:
+            raise table.fault(row, f"context: {error}") from error
+    return values

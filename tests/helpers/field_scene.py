@@ -91,18 +91,17 @@ def write_yolo(
     Those of the classes in `ids`, by which they are numbered.
     """
     table = truth() if side == "truth" else detections(side)
-    table = table[table["name"].isin([*ids])]
+    table = table[table["name"].isin([*ids])].reindex(columns=["frame", "name", *"xywh", "score"])
     folder.mkdir(parents=True, exist_ok=True)
     width, height = SIZE
-    for frame in range(N_FRAMES):
-        lines = [
+    lines: dict[int, list[str]] = {frame: [] for frame in range(N_FRAMES)}
+    for frame, name, x, y, w, h, score in table.itertuples(index=False):
+        lines[frame].append(
             f"{ids[name]} {(x + w / 2) / width:.6f} {(y + h / 2) / height:.6f} {w / width:.6f} "
             f"{h / height:.6f}" + ("" if side == "truth" else f" {score:.3f}")
-            for name, x, y, w, h, score in table[table["frame"] == frame]
-            .reindex(columns=["name", *"xywh", "score"])
-            .itertuples(index=False)
-        ]
-        (folder / name_of(frame)).write_text("\n".join(lines))
+        )
+    for frame, texts in lines.items():
+        (folder / name_of(frame)).write_text("\n".join(texts))
     return folder
 
 

@@ -104,7 +104,7 @@ def test_a_link_is_shown_by_its_own_name(tmp_path: Path):
         (
             "a.res",
             "mott",
-            r"no format 'mott'; did you mean 'mot'\? The formats are bbgt, boxmot, c",
+            r"no format 'mott'; did you mean 'mot'\? The formats are bbgt ",
         ),
     ],
 )

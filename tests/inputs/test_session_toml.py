@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from inputs import write
 
@@ -149,6 +149,7 @@ def test_a_glob_below_a_folder_with_brackets_still_means_the_same(tmp_path: Path
     assert path == f"{tmp_path.as_posix()}/drive[[]1]/*.csv"
 
 
+@settings(max_examples=30)
 @given(st.floats(0, 1), st.text(st.characters(codec="utf-8"), min_size=1))
 def test_any_threshold_and_any_name_survive(threshold: float, name: str):
     system = SystemSource(("a.csv",), name=name, threshold=threshold)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
+from collections.abc import Sequence
 from typing import Final
 
 from nvcore.errors import UnknownFormatError
@@ -36,6 +34,7 @@ from nvcore.inputs.readers.parse.unknown import describe_foreign, foreign_format
 from nvcore.inputs.readers.visdrone import FORMAT as VISDRONE
 from nvcore.inputs.readers.voc import FORMAT as VOC
 from nvcore.inputs.readers.yolo import FORMAT as YOLO
+from nvcore.wording import did_you_mean
 
 FORMATS: Final[tuple[Format, ...]] = (
     CVAT_VIDEO,
@@ -58,17 +57,6 @@ FORMATS: Final[tuple[Format, ...]] = (
 )
 """All formats, in the order in which they are tried on a content."""
 
-_OTHER_NAMES: Final = {
-    "bbgt": ("caltech", "dollar", "vbb"),
-    "kaist-results": ("kaist",),
-    "mot": ("motchallenge", "trackeval"),
-    "coco": ("mscoco", "cocojson"),
-    "csv": ("tsv", "table", "text"),
-    "voc": ("pascal", "pascalvoc"),
-    "yolo": ("darknet", "ultralytics"),
-    "gtsdb": ("germantrafficsigns", "gtsrb", "germantrafficsigndetectionbenchmark"),
-}
-"""What else formats are called, by their names: letters only, lower case."""
 _HOLDS: Final[dict[Role, str]] = {
     "truth": "ground truth",
     "detections": "the detections of a system",
@@ -121,38 +109,10 @@ def format_named(name: str) -> Format:
     for candidate in FORMATS:
         if candidate.name == name:
             return candidate
-    names = sorted(candidate.name for candidate in FORMATS)
-    meant = " or ".join(map(repr, formats_meant(name, names)))
-    question = f"did you mean {meant}? The" if meant else "the"
-    raise UnknownFormatError(
-        f"there is no format {name!r}; {question} formats are {', '.join(names)}"
-    )
-
-
-def formats_meant(name: str, names: Iterable[str]) -> list[str]:
-    """Names of the formats that somebody may mean who writes another name; empty: none is near.
-
-    Examples
-    --------
-    >>> formats_meant("MOT17", ["mot", "kitti-object", "kitti-tracking"])
-    ['mot']
-    >>> formats_meant("kitti", ["mot", "kitti-object", "kitti-tracking"])
-    ['kitti-object', 'kitti-tracking']
-    """
-    wanted, names = _letters(name), sorted(names)
-    if not wanted:
-        return []
-    others = {other: own for own in names for other in (_letters(own), *_OTHER_NAMES.get(own, ()))}
-    if wanted in others:
-        return [others[wanted]]
-    beginning = [own for own in names if _letters(own).startswith(wanted)]
-    if beginning:
-        return beginning
-    return [others[near] for near in get_close_matches(wanted, others, n=1)]
-
-
-def _letters(name: str) -> str:
-    return re.sub(r"[^a-z]", "", name.lower())
+    titles = {candidate.name: candidate.title for candidate in FORMATS}
+    known = ", ".join(f"{name} ({titles[name]})" for name in sorted(titles))
+    hint = did_you_mean(name.lower(), titles, f"the formats are {known}")
+    raise UnknownFormatError(f"there is no format {name!r}; {hint}")
 
 
 def detect_format(files: Sequence[SourceFile], role: Role) -> Format:

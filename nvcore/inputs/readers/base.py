@@ -378,7 +378,10 @@ class Format:
         (file name, first 64 KiB as text, role) -> whether the content is this format. Formats are
         tried in the order of the registry; the first match is taken.
     read
-        The reader.
+        The reader. Like every reader it raises FormatError with file and line (or record) of the
+        first thing that the format does not have; MissingFactError for what the files do not say
+        (the size of pictures, the truth's image list); and InputError if a class is unknown, a
+        file's name has no frame number, or two files are of one recording or one frame.
     """
 
     name: str

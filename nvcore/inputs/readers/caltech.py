@@ -74,13 +74,6 @@ def read_bbgt(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     `cyclist` and rows with the ignore flag are ignore regions; other labels are left out. The
     occlusion field is KAIST's level 0, 1, 2, or Caltech's flag, which the visible box makes a
     level.
-
-    Raises
-    ------
-    InputError
-        If a file name has no frame number, two files are of one frame, or a class is unknown.
-    FormatError
-        With file and line of the first row that is not bbGt.
     """
     named = listed_frames(files, options)
     table = stacked([read_numbers(frame_file, BBGT_LAYOUT) for frame_file in files])
@@ -149,15 +142,6 @@ def read_results(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     and become the 0-based numbers of the pictures (I00000 is the first), unless
     `ReadOptions.frame_base` is 0. Any other file is KAIST's: the image number is the 1-based
     position in the truth's image list. Boxes are x, y, w, h in pixels already.
-
-    Raises
-    ------
-    MissingFactError
-        If there is no image list for KAIST results.
-    InputError
-        If two files are of one recording.
-    FormatError
-        With file and line of the first row that is neither.
     """
     parts: list[FilePart] = []
     first_of: dict[str, str] = {}

@@ -115,11 +115,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 
     Frames and pixels are kept as they are, unless ``options.frame_base`` is given: then the first
     frame becomes 0.
-
-    Raises
-    ------
-    FormatError
-        With file and line of what is missing or is no number.
     """
     tables = []
     for file in files:

@@ -21,10 +21,11 @@ from nvcore.inputs.readers.base import (
     Role,
     SourceFile,
     image_list,
-    object_array,
 )
 from nvcore.inputs.readers.meaning.classes import (
     ClassRule,
+    by_names,
+    check_any_counts,
     choose_classes,
     rule_for,
 )
@@ -68,14 +69,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     Corners are the first and last pixel inside, 0-based. A scene without a sign has no row: the
     evaluated frames are those of ``scenes.txt`` in the same folder, else of the pictures there,
     else of the rows.
-
-    Raises
-    ------
-    InputError
-        If two files are of one recording, a picture's name has no number, no class counts, or a
-        class that should count is none.
-    FormatError
-        With file and line of the first row that is of another layout.
     """
     tables = [file for file in files if PurePosixPath(file.name).name != SCENES]
     if not tables:
@@ -90,12 +83,11 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         (number < 0) | (number >= len(CLASSES)),
         lambda row: f"expected a class from 0 to {len(CLASSES) - 1}, found {number[row]}",
     )
-    label = object_array(CLASSES)[number]
+    as_objects = Step(Remedy.OPTION, "speed sign", "objects")
+    check_any_counts(CLASSES, "traffic signs", options, tables[0], steps=(as_objects,))
+    label, options = by_names(number, dict(enumerate(CLASSES)), options)
     rule = rule_for(ClassRule((), (), CLASSES), label, options)
-    _check_objects(tables[0], options)
-    numbers = {str(number): name for number, name in enumerate(CLASSES)}
-    classes = options.classes and tuple(numbers.get(name, name) for name in options.classes)
-    choice = choose_classes(label, rule, replace(options, classes=classes), table.lines)
+    choice = choose_classes(label, rule, options, table.lines)
     scenes = [_scenes(file, files, frame[table.lines.file == i]) for i, file in enumerate(tables)]
     facts += [
         "frame numbers from the pictures' names",
@@ -131,17 +123,6 @@ def _frames(picture: np.ndarray, lines: Lines) -> np.ndarray:
         numbers[i] = place[1]
     frame: np.ndarray = numbers[codes]
     return frame
-
-
-def _check_objects(file: SourceFile, options: ReadOptions) -> None:
-    """Raise InputError where the user says neither which classes count nor what they are."""
-    if options.classes is None and not any(map(options.objects.counts, CLASSES)):
-        raise InputError(
-            f"these are traffic signs, and none is called {options.objects.singular}: say what the "
-            "boxes are of, or which classes count, by number or name",
-            file=file.name,
-            steps=(Step(Remedy.OPTION, "speed sign", "objects"), Step(Remedy.CLASSES)),
-        )
 
 
 def _scenes(

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
@@ -20,7 +19,13 @@ from nvcore.inputs.readers.base import (
     annotated_frames,
     object_array,
 )
-from nvcore.inputs.readers.meaning.classes import ClassChoice, ClassRule, choose_classes, rule_for
+from nvcore.inputs.readers.meaning.classes import (
+    ClassChoice,
+    ClassRule,
+    by_names,
+    choose_classes,
+    rule_for,
+)
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.values import known_distances, levels_of_numbers
@@ -67,13 +72,6 @@ def read_object(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     Pixels are 0-based, corners inclusive. Pedestrian counts, Person_sitting (neutral in KITTI's
     evaluation) and DontCare are ignore regions, other types are left out. The camera's Z becomes
     the distance.
-
-    Raises
-    ------
-    InputError
-        If a file name has no number, two files are of one frame, or a class is unknown.
-    FormatError
-        With file and line of the first row that is not KITTI object.
     """
     named = listed_frames(files, options)
     table = stacked([read_numbers(file, OBJECT) for file in files])
@@ -86,13 +84,6 @@ def read_tracking(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     Frames and pixels are 0-based, corners inclusive. Pedestrian counts, Person and Person_sitting
     (neutral in KITTI's evaluation) and DontCare are ignore regions, other types are left out. The
     camera's Z becomes the distance.
-
-    Raises
-    ------
-    InputError
-        If two files are of one recording, or a class is unknown.
-    FormatError
-        With file and line of the first row that is not KITTI tracking.
     """
     names, assumed = recordings_of([file.name for file in files], options.recordings)
     table = stacked([read_numbers(file, TRACKING) for file in files])
@@ -171,13 +162,6 @@ def read_detections(files: Sequence[SourceFile], options: ReadOptions) -> Readin
 
     Frames and pixels are 0-based, corners inclusive. In the 15-column layout type 1 (Pedestrian)
     counts, other types are left out, and the camera's Z becomes the distance.
-
-    Raises
-    ------
-    InputError
-        If two files are of one recording, or a class is unknown.
-    FormatError
-        With file and line of the first row that has other columns, or no corners.
     """
     names, assumed = recordings_of([file.name for file in files], options.recordings)
     facts = ["frame numbers kept (0-based)", CORNERS]
@@ -193,12 +177,8 @@ def read_detections(files: Sequence[SourceFile], options: ReadOptions) -> Readin
     )
     choice = ClassChoice(np.ones(len(table), bool), np.zeros(len(table), bool), "", (), ())
     if is_long.any():
-        classes = options.classes and tuple(
-            TYPES.get(int(c), c) if c.isdecimal() else c for c in options.classes
-        )
-        numbers = pd.Series(np.where(is_long, table.columns[1], 1).astype(np.int64))
-        label = numbers.map(TYPES).fillna(numbers.astype(str)).to_numpy(dtype=object)
-        by_name = replace(options, classes=classes)
+        numbers = np.where(is_long, table.columns[1], 1).astype(np.int64)
+        label, by_name = by_names(numbers, TYPES, options)
         choice = choose_classes(label, rule_for(TYPES_RULE, label, by_name), by_name, table.lines)
         choice = replace(choice, ignore=np.zeros(len(table), bool))
         facts += [DISTANCE, choice.fact]

@@ -8,8 +8,6 @@ from functools import partial
 
 import numpy as np
 
-from nvcore.dataset.sources import left_out_text
-from nvcore.errors import InputError
 from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
@@ -26,12 +24,16 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.meaning.classes import (
     ClassNames,
+    ClassRule,
     NumberedRows,
+    by_names,
+    check_any_counts,
     choose_categories,
-    classes_left_out,
+    choose_classes,
     is_class_file,
     names_in,
     names_of_numbers,
+    rule_for,
 )
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.values import (
@@ -69,8 +71,17 @@ LABELS = "labels.txt"
 HEAD_BYTES = 4096
 """Bytes that are read to see what separates the numbers."""
 LATE_SCORE = "constant-score-column"
-DISTRACTORS = frozenset({2, 7, 8, 12, 13})
-"""Classes that look like pedestrians: detecting them is neither right nor wrong."""
+RULE = ClassRule(
+    counted=("pedestrian",),
+    ignored=("person_on_vehicle", "static_person", "distractor", "reflection", "crowd"),
+    left_out=(
+        *("car", "bicycle", "motorbike", "non_mot_vehicle"),
+        *("occluder", "occluder_on_ground", "occluder_full"),
+    ),
+    is_benchmark=True,
+)
+"""As in MOTChallenge's own evaluation: detecting a distractor is neither right nor wrong."""
+MOT20_RULE = replace(RULE, ignored=(*RULE.ignored, "non_mot_vehicle"))
 
 
 def recognise(_name: str, head: str, _role: Role) -> bool:
@@ -91,13 +102,6 @@ def read(
 
     Classes are those of MOTChallenge, of a ``labels.txt`` beside the file (CVAT), or VisDrone's;
     of results those of the truth.
-
-    Raises
-    ------
-    InputError
-        If two files are of one recording, or a class is unknown.
-    FormatError
-        With file and line of the first row that is not MOTChallenge.
     """
     files = [file for file in files if not is_class_file(file.name)] or files
     infos = [sequence_info(file) for file in files]
@@ -245,34 +249,19 @@ def _rows_of_truth(
     named = ClassNames(VISDRONE) if is_visdrone else _labels_beside(file)
     if named.names:
         return _by_name(everything, classes, named, options, file)
-    counted = _class_numbers(options, file)
-    # the benchmark's rule: class 6 became a distractor with MOT20
-    distractors = DISTRACTORS | ({6} if name.upper().startswith("MOT20") else set())
-    if not options.objects.are_pedestrians:
-        distractors = frozenset(k for k, name in CLASSES.items() if options.objects.concerns(name))
-    neutral = sorted(distractors - set(counted))
-    is_wanted = np.isin(classes, counted)
-    # a row with conf 0 of another class (a car) is no ignore region for pedestrians
-    keep = is_wanted | np.isin(classes, neutral)
-    numbers, counts = np.unique(classes[~keep], return_counts=True)
-    left_out = classes_left_out(
-        {CLASSES.get(k, str(k)): n for k, n in zip(numbers.tolist(), counts, strict=True)}
+    what = f"boxes of MOTChallenge ({', '.join(CLASSES.values())})"
+    check_any_counts(CLASSES.values(), what, options, file)
+    label, options = by_names(classes, CLASSES, options)
+    rule = rule_for(MOT20_RULE if name.upper().startswith("MOT20") else RULE, label, options)
+    choice = choose_classes(label, rule, options, table.lines)
+    return _Rows(
+        choice.keep,
+        ignore | choice.ignore,
+        [*facts, choice.fact],
+        [*findings, *choice.findings],
+        {str(number): name for number, name in CLASSES.items()},
+        left_out=choice.left_out,
     )
-    facts.append(
-        f"classes: {', '.join(CLASSES[k] for k in counted)} counted; "
-        + (f"{', '.join(CLASSES[k] for k in neutral)} ignored; " if neutral else "")
-        + f"others left out{': ' * bool(left_out)}{left_out_text(left_out)}"
-    )
-    findings += table.lines.finding(
-        ~np.isin(classes, list(CLASSES)),
-        "unknown-class",
-        "Rows of a class that MOTChallenge does not have (it has 1 to 13) were left out.",
-        "Number the classes as MOTChallenge does; 1 is pedestrian.",
-        role="truth",
-        example=lambda row: f"class {classes[row]}",
-    )
-    names = {str(number): name for number, name in CLASSES.items()}
-    return _Rows(keep, ignore | ~is_wanted, facts, findings, names, left_out=left_out)
 
 
 def _late_score(table: NumberTable) -> int | None:
@@ -333,29 +322,6 @@ def _labels_beside(file: SourceFile) -> ClassNames:
         return ClassNames()
     names = names_in(labels)
     return ClassNames({str(int(number) + 1): name for number, name in names.items()}, LABELS)
-
-
-def _class_numbers(options: ReadOptions, file: SourceFile) -> list[int]:
-    """Numbers of the classes that count."""
-    objects = options.objects
-    classes = options.classes or [name for name in CLASSES.values() if objects.counts(name)]
-    if not classes:
-        raise InputError(
-            f"MOTChallenge has no class called {objects.singular}; it has "
-            f"{', '.join(CLASSES.values())}: name the classes that count as {objects.plural}",
-            file=file.name,
-        )
-    by_name = {v: k for k, v in CLASSES.items()}
-    numbers = []
-    for name in classes:
-        number = int(name) if name.isdecimal() else by_name.get(name.lower())
-        if number not in CLASSES:
-            raise InputError(
-                f"MOTChallenge has no class {name!r}; it has {', '.join(CLASSES.values())}",
-                file=file.name,
-            )
-        numbers.append(number)
-    return numbers
 
 
 FORMAT = Format("mot", "MOTChallenge", BOTH_ROLES, (".txt", ".csv"), recognise, read)

@@ -76,13 +76,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """Read VisDrone-DET files, one per picture; a file without boxes is an evaluated frame.
 
     Pixels are 0-based and kept. In truth, a score of 0 makes an ignore region.
-
-    Raises
-    ------
-    InputError
-        If a file name has no number, two files are of one frame, or a class is unknown.
-    FormatError
-        With file and line of the first row that is not VisDrone's.
     """
     named = listed_frames(files, options)
     table = stacked([read_numbers(file, LAYOUT) for file in files])

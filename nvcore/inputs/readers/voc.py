@@ -67,13 +67,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     most have a decimal point, they are edges counted from 0, as many other programs write them;
     KAIST's x, y, w, h are kept.
     Difficult objects are ignore regions.
-
-    Raises
-    ------
-    InputError
-        If a file name has no number, two files are of one frame, or a class is unknown.
-    FormatError
-        With file and line of what is not Pascal VOC.
     """
     named = listed_frames(files, options)
     objects = _Objects(1 if options.box_base is None else options.box_base)

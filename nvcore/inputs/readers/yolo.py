@@ -97,17 +97,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     The classes named as pedestrians in a file beside the labels count, or the only class.
     The confidence is the last field (Ultralytics) or the second (review_object_detection_metrics):
     inferred from which of the two readings leaves the boxes inside the picture.
-
-    Raises
-    ------
-    MissingFactError
-        If the size of the pictures is not given.
-    InputError
-        If a file name has no number, two files are of one frame, or a class is unknown.
-    UnnamedClassesError
-        If there are several classes and no names.
-    FormatError
-        With file and line of the first row that is not YOLO text.
     """
     frames = [file for file in files if not _is_extra(file.name)]
     position = np.array([i for i, file in enumerate(files) if not _is_extra(file.name)], np.int64)

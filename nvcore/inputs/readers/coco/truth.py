@@ -103,13 +103,7 @@ def read_files(
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Read COCO ground truth; each file brings its own images, ids and categories.
-
-    Raises
-    ------
-    FormatError
-        With file and record of the first thing that is not COCO, or is not clear.
-    """
+    """Read COCO ground truth; each file brings its own images, ids and categories."""
     reading, parts, used = read_files(files, options, _read_part)
     categories: dict[str, str] = {}
     for key, name in chain(*(part.categories.items() for part in parts)):

@@ -52,13 +52,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     Recording and frame come from the names of the pictures; where one of a file has no number,
     the file is the recording and the ids of its pictures are the frames. Corners are 0-based and
     continuous.
-
-    Raises
-    ------
-    InputError
-        If a class is unknown.
-    FormatError
-        With file and line of what is not CVAT for images, or of a second picture of one frame.
     """
     tables, listed, named = [], [], []
     declared: list[str] = []

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -33,6 +32,7 @@ from nvcore.inputs.readers.cvat.content import (
     read_cvat,
 )
 from nvcore.inputs.readers.meaning.names import recordings_of
+from nvcore.inputs.readers.meaning.values import MAX_FRAMES
 from nvcore.inputs.readers.parse.xml import root_of
 
 
@@ -133,8 +133,6 @@ def fill_between_keyframes(
     )
 
 
-MAX_FRAMES: Final = 10_000_000
-"""Most frames of a task, and most boxes filled in between keyframes: 92 hours at 30 fps."""
 _INTERPOLATION = re.compile(r"<mode>\s*interpolation\s*</mode>")
 
 
@@ -152,13 +150,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     are 0-based and continuous. Boxes marked as outside are not boxes. Between two keyframes the
     boxes that the file leaves out are filled in, as CVAT does. Size, start, stop and step of the
     task give the evaluated frames.
-
-    Raises
-    ------
-    InputError
-        If two files are of one recording, or a class is unknown.
-    FormatError
-        With file and line of what is not CVAT for video.
     """
     contents = [read_cvat(file, kind="track") for file in files]
     units = [

@@ -17,7 +17,15 @@ from nvcore.dataset.sources import left_out_text
 from nvcore.errors import FormatError, InputError, UnnamedClassesError
 from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Finding, Remedy, Severity, Step
-from nvcore.inputs.readers.base import LeftOut, Lines, Numbering, ReadOptions, SourceFile, warning
+from nvcore.inputs.readers.base import (
+    LeftOut,
+    Lines,
+    Numbering,
+    ReadOptions,
+    SourceFile,
+    object_array,
+    warning,
+)
 from nvcore.inputs.readers.parse.text import read_text
 from nvcore.objects import Objects, labels_in_order, plain_class
 from nvcore.schema import NO_LABEL, names_as_categories
@@ -334,6 +342,55 @@ class NumberedRows:
         """Whether each row's number is one of these; bool, shape (n,)."""
         is_among: np.ndarray = np.isin(self.keys, keys)[self.codes]
         return is_among
+
+
+def by_names(
+    numbers: np.ndarray, names: Mapping[int, str], options: ReadOptions
+) -> tuple[np.ndarray, ReadOptions]:
+    """Name of each row's class, and the options with classes by name.
+
+    Parameters
+    ----------
+    numbers
+        Class of each row, whole, shape (n,). One without a name is called as it is written.
+    names
+        The format's classes by their numbers.
+    """
+    numbered, by_key = NumberedRows.of(numbers), {str(key): name for key, name in names.items()}
+    label = object_array(by_key.get(key, key) for key in numbered.keys)[numbered.codes]
+    classes = options.classes and tuple(by_key.get(name, name) for name in options.classes)
+    return label, replace(options, classes=classes)
+
+
+def check_any_counts(
+    classes: Iterable[str],
+    what: str,
+    options: ReadOptions,
+    file: SourceFile,
+    *,
+    steps: tuple[Step, ...] = (),
+) -> None:
+    """Refuse a benchmark's classes if the user says neither which count nor what they are.
+
+    Parameters
+    ----------
+    classes, what
+        Names of the classes, and what they are, for the error: "traffic signs".
+    steps
+        Ways out beside choosing classes.
+
+    Raises
+    ------
+    InputError
+        If none of the classes is called as the objects are, and none was chosen.
+    """
+    if options.classes is None and not any(map(options.objects.counts, classes)):
+        raise InputError(
+            f"these are {what}, and none is called {options.objects.singular}: say what the "
+            "boxes are of, or which classes count, by number or name",
+            file=file.name,
+            steps=(*steps, Step(Remedy.CLASSES)),
+        )
 
 
 def choose_categories(

@@ -27,61 +27,6 @@ LONGEST_S: Final = 1e8
 _FLAGS: Final = {"1": True, "true": True, "yes": True, "0": False, "false": False, "no": False}
 
 
-def read_rows(
-    content: bytes, *, name: str, what: str
-) -> tuple[list[list[str]], NDArray[np.int64], str]:
-    """Fields of each line that is not blank, as many as in the first.
-
-    Fields are separated by comma, semicolon or tab, whichever is commonest in the first line.
-
-    Parameters
-    ----------
-    name
-        Of the file, for errors.
-    what
-        What the rows are, as in "this is no CSV table of boxes".
-
-    Returns
-    -------
-    Rows with the header first, the 1-based line of each, and the separator.
-
-    Raises
-    ------
-    FormatError
-        If it is no such text, is empty, or too large.
-    """
-    no_table = f"this is no CSV table of {what}"
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FormatError(f"{no_table} ({error})", file=name) from error
-    separator = max(SEPARATORS, key=text.partition("\n")[0].count)
-    reader = csv.reader(
-        StringIO(text, newline=""), delimiter=separator, skipinitialspace=True, strict=True
-    )
-    rows: list[list[str]] = []
-    lines: list[int] = []
-    try:
-        for row in reader:
-            if not any(field.strip() for field in row):
-                continue
-            if len(row) > MOST_COLUMNS:
-                text = f"expected {MOST_COLUMNS} columns at the most, found {len(row):,}"
-                raise FormatError(text, file=name, line=reader.line_num)
-            if rows and len(row) != len(rows[0]):
-                text = f"expected {len(rows[0])} fields, as in the first line; found {len(row)}"
-                raise FormatError(text, file=name, line=reader.line_num)
-            if len(rows) > MOST_ROWS:
-                raise FormatError(f"more than {MOST_ROWS:,} {what}", file=name)
-            rows.append(row)
-            lines.append(reader.line_num)
-    except csv.Error as error:
-        raise FormatError(f"{no_table} ({error})", file=name, line=reader.line_num) from error
-    if not rows:
-        raise FormatError(f"{no_table} (it is empty)", file=name)
-    return rows, np.array(lines, dtype=np.int64), separator
-
-
 @dataclass(frozen=True)
 class TextTable:
     """A table of text, whose columns are checked as they are read.
@@ -224,21 +169,55 @@ class TextTable:
 def parse_table(content: bytes, *, name: str, what: str, required: Sequence[str]) -> TextTable:
     """A table from CSV text with a header; columns may stand in any order.
 
+    Fields are separated by comma, semicolon or tab, whichever is commonest in the first line. Blank
+    lines are passed over.
+
     Parameters
     ----------
-    name, what
-        As of `read_rows`.
+    name
+        Of the file, for errors.
+    what
+        What the rows are, as in "this is no CSV table of boxes".
     required
         Columns that must be there.
 
     Raises
     ------
     FormatError
-        If it is no such table, or a column is missing or there twice.
+        If it is no such text, is empty or too large, a line has more or fewer fields than the
+        first, or a column is missing or there twice.
     """
-    rows, lines, separator = read_rows(content, name=name, what=what)
+    no_table = f"this is no CSV table of {what}"
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FormatError(f"{no_table} ({error})", file=name) from error
+    separator = max(SEPARATORS, key=text.partition("\n")[0].count)
+    reader = csv.reader(
+        StringIO(text, newline=""), delimiter=separator, skipinitialspace=True, strict=True
+    )
+    rows: list[list[str]] = []
+    lines: list[int] = []
+    try:
+        for row in reader:
+            if not any(field.strip() for field in row):
+                continue
+            if len(row) > MOST_COLUMNS:
+                text = f"expected {MOST_COLUMNS} columns at the most, found {len(row):,}"
+                raise FormatError(text, file=name, line=reader.line_num)
+            if rows and len(row) != len(rows[0]):
+                text = f"expected {len(rows[0])} fields, as in the first line; found {len(row)}"
+                raise FormatError(text, file=name, line=reader.line_num)
+            if len(rows) > MOST_ROWS:
+                raise FormatError(f"more than {MOST_ROWS:,} {what}", file=name)
+            rows.append(row)
+            lines.append(reader.line_num)
+    except csv.Error as error:
+        raise FormatError(f"{no_table} ({error})", file=name, line=reader.line_num) from error
+    if not rows:
+        raise FormatError(f"{no_table} (it is empty)", file=name)
     header = [field.strip().lower() for field in rows[0]]
-    line = int(lines[0])
+    line = lines[0]
     absent = [column for column in required if column not in header]
     if absent:
         raise FormatError(
@@ -255,7 +234,7 @@ def parse_table(content: bytes, *, name: str, what: str, required: Sequence[str]
         column: np.array([without_safeguard(row[i].strip()) for row in rows[1:]], dtype=object)
         for i, column in enumerate(header)
     }
-    return TextTable(name, fields, lines[1:], separator == ";")
+    return TextTable(name, fields, np.array(lines[1:], dtype=np.int64), separator == ";")
 
 
 def read_table(path: Path, *, what: str, required: Sequence[str]) -> TextTable:
@@ -286,7 +265,7 @@ def read_series(
     column
         Of the readings, beside time_s.
     what
-        What the readings are, as of `read_rows`.
+        What the readings are, as of `parse_table`.
     high
         Largest reading that can be.
     zero
