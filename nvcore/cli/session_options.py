@@ -149,10 +149,11 @@ def _from_file(options: dict[str, Any], given: dict[str, Any], *, needs_y: bool)
             )
     session = _with_facts(_read(options["session_file"], needs_y=needs_y), options)
     protocol = options.get("protocol")
+    x, y = session.names(options["name_x"], options["name_y"])
     session = replace(
         session,
-        x=options["name_x"] or session.x,
-        y=options["name_y"] or session.y,
+        x=x,
+        y=y,
         params=params_from({**session.params.given(), **given}),
         protocol=session.protocol if protocol is None else PROTOCOLS[protocol],
     )
