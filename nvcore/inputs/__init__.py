@@ -1,1 +1,1 @@
-"""From paths or a session file to a Dataset, and back to files."""
+"""Load paths or a session file into a Dataset, and write it back to files."""

@@ -1,4 +1,4 @@
-"""What is read of a session beside truth and systems, by the core and by subjects."""
+"""Inputs of a session other than truth and systems, such as files that subjects add."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Input:
-    """Files beside those of the truth and the systems, such as those of a subject.
+    """Kind of input files other than truth and systems, such as files of a subject.
 
     Attributes
     ----------
     name
-        What they are called in `Dataset.inputs`; no system is called so where a session names them.
+        Name in `Dataset.inputs`. A system may not have this name if a session has such files.
     is_named
-        Whether a session names them.
+        Function that tells whether a session names such files.
     join
-        The dataset with what they say of it, where the session names them.
+        Function that adds the content of the files to a dataset, if the session names them.
     may_be_found
-        Whether the systems' own files may hold it, too: `join` looks there.
+        Whether the systems' own files may hold it, too. Then `join` looks there.
 
     Raises
     ------
     InputError
-        By `join`, if a file cannot be used; with file and line.
+        By `join`, if a file cannot be used, with file and line.
     """
 
     name: str
@@ -57,18 +57,18 @@ def with_files(
     findings: Iterable[Finding] = (),
     **changes: Any,
 ) -> Dataset:
-    """The dataset with changes that files of a session make, and with these among its inputs.
+    """Change fields of the dataset by files of a session, and list the files as its inputs.
 
     Parameters
     ----------
     subject, files, digests
-        What the files are called together, their names and their sha256.
+        Common name of the files, their own names, and their sha256.
     says
-        What they say of the dataset, for its fingerprint.
+        Content of the files as bytes, for the dataset's fingerprint.
     conversion, form
-        What was read of the files, and their format; of all or of each.
+        Description of the conversion and format of the files, one for all or one for each.
     findings
-        In the files, beside that they have changed since the session was written.
+        Findings about the files. One about changed files is added.
     changes
         Fields of the dataset.
     """

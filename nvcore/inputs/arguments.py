@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @arguments
 class ConvertArguments:
-    """See `nvcore.convert`."""
+    """Arguments of `nvcore.convert`."""
 
     source: PathLike | Source
     target: PathLike

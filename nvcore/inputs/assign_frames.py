@@ -1,4 +1,4 @@
-"""Frames assigned to the boxes of all sources that were read: a row of the frames table each."""
+"""Assign each box of all sources to its row of the frames table."""
 
 from __future__ import annotations
 
@@ -43,16 +43,16 @@ REASONS: Final = (
     "not a number",
     "no area",
 )
-"""Why a box has no place, in the order in which they are looked for; none where it has one."""
+"""Reasons why a box has no frame, in the order of the checks. The first means that it has one."""
 DENSE: Final = 4
-"""Frame numbers for each listed one up to which a table of all of them is quickest."""
+"""Frame numbers per listed one up to which a table of all numbers is fastest."""
 NO_FRAMES: Final = np.empty(0, np.int64)
 BLOCK: Final = 1 << 15
-"""Boxes that are placed at a time."""
+"""Number of boxes that are placed at a time."""
 
 
 class FramePlaces:
-    """Where the evaluated frames of all recordings are in the frames table."""
+    """Index from recording and frame number to a row of the frames table."""
 
     def __init__(self, names: pd.Series[str], frames: list[np.ndarray]) -> None:
         self._names = pd.Index(names)
@@ -71,7 +71,7 @@ class FramePlaces:
             self._row_of[self._listed] = np.arange(n_rows)
 
     def of(self, boxes: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
-        """Row of the frames table of each box, and its fault: a place in `REASONS`; int8."""
+        """Return each box's row in the frames table and its fault, an int8 index of `REASONS`."""
         names = boxes["recording"].array
         of_name = self._names.get_indexer(names.categories)
         codes, frame = names.codes, boxes["frame"].to_numpy()
@@ -79,7 +79,7 @@ class FramePlaces:
         position, fault = np.empty(len(boxes), np.int64), np.zeros(len(boxes), np.int8)
         last = self._before + self._span - 1
         shift = self._start - self._before
-        # block by block, so that what is computed on the way stays in the processor's memory
+        # block by block, so that intermediate results stay in the processor's cache
         for begin in range(0, len(boxes), BLOCK):
             rows = slice(begin, begin + BLOCK)
             of_row = of_name[codes[rows]]
@@ -93,7 +93,7 @@ class FramePlaces:
         return position, fault
 
     def _rows_of(self, key: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Row of each key in the frames table, and whether it is there."""
+        """Return the row of each key in the frames table, and whether it exists."""
         if self._row_of is None:
             position = np.minimum(np.searchsorted(self._listed, key), len(self._listed) - 1)
             return position, self._listed[position] == key
@@ -103,7 +103,7 @@ class FramePlaces:
 
 @dataclass(frozen=True)
 class LoadedSource:
-    """Ground truth or a system, read.
+    """Ground truth or a system that has been read.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ class LoadedSource:
     files, digests
         Its files, and their sha256.
     provenance
-        How its detections were made; None: nothing is known.
+        Record of how its detections were made. None: nothing is known.
     """
 
     subject: str
@@ -128,16 +128,16 @@ def place_sources(
     loaded: list[LoadedSource],
     max_frames: int | None,
 ) -> Dataset:
-    """The dataset of all sources, every box in its frame.
+    """Build the dataset of all sources, with every box assigned to its frame.
 
     Parameters
     ----------
     session
-        Only its recordings are compared; the size and rate of others may be unknown.
+        Only its recordings are compared. The size and rate of others may be unknown.
     loaded
         Ground truth first, then the systems of the session in their order.
     max_frames
-        Most evaluated frames of all recordings; None: no limit.
+        Largest number of evaluated frames of all recordings. None: no limit.
 
     Raises
     ------
@@ -220,9 +220,9 @@ def place_sources(
 
 
 def _joined(tables: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-    """The columns of all sources, one after the other; what some lack is unknown there.
+    """Concatenate the columns of all sources, with NaN where a source lacks a column.
 
-    The tables are empty then: what is joined takes no memory twice.
+    This empties the tables, so that no column is in memory twice.
     """
     n_rows = [len(table["x"]) for table in tables]
     return {
@@ -239,16 +239,16 @@ def _joined(tables: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
 def _placed(
     source: LoadedSource, number: int, places: FramePlaces, n_files: int
 ) -> tuple[dict[str, np.ndarray], pd.DataFrame]:
-    """Columns of the boxes that have a place, and the rows that have none.
+    """Return columns of the boxes that have a place, and the rows of those that have none.
 
-    The reading's table is empty then, so that `_joined` can give back memory.
+    This empties the reading's table, so that `_joined` can free memory.
 
     Parameters
     ----------
     number
-        Of the source, as boxes name it.
+        Number of the source in the boxes.
     n_files
-        Files of the sources before it.
+        Number of files of earlier sources.
     """
     boxes = source.reading.boxes
     file = boxes["file"].to_numpy() + np.int32(n_files)
@@ -284,7 +284,7 @@ def _frames(
     recordings: pd.DataFrame,
     is_compared: list[bool],
 ) -> tuple[list[np.ndarray], list[str]]:
-    """Listed frames of every recording, and in words how they were chosen."""
+    """Return the listed frames of every recording, with a text on how they were chosen."""
     entries = session.entries(recordings["name"].tolist()).items()
     texts = {name: entry.frames for name, entry in entries if entry.frames is not None}
     given = {name: texts.get(name, session.frames) for name in recordings["name"]}
@@ -327,7 +327,7 @@ def _frames(
 def _fingerprint(
     session: Session, loaded: list[LoadedSource], recordings: pd.DataFrame, frames: list[np.ndarray]
 ) -> str:
-    """sha256 over the input bytes and the reader settings."""
+    """Hash the input bytes and the reader settings with SHA-256."""
     digest = hashlib.sha256()
     for item, (source, _) in zip(loaded, session.sources, strict=True):
         settings = {**asdict(source), "path": None, "format": item.format.name}
@@ -336,10 +336,10 @@ def _fingerprint(
             if settings.get(name) == default:
                 settings.pop(name, None)
         for name in ("provenance", *SYSTEM_KEYS_OF_SUBJECTS):
-            settings.pop(name, None)  # paths; what counts is the record, and what subjects add
+            settings.pop(name, None)  # paths: the record and the content of subjects count instead
         if not item.reading.is_laid_out:
             del settings["boxes"]
-        # what is taken otherwise may as well be given
+        # stating a default does not change the fingerprint
         usual = item.reading.usual
         settings |= {name: None for name in usual if settings[name] == usual[name]}
         digest.update(f"{item.subject}\n{item.digests}\n{settings}\n".encode())

@@ -1,8 +1,8 @@
-"""Meanings of the four numbers of a box, and readings corrected to another meaning.
+"""Meanings of the four numbers of a box, and correction of readings with a wrong meaning.
 
-A reader knows the meaning from its format, and a file may mean another: corners where width and
-height belong, the vertical axis first, shares of the picture. A box that was read by the wrong
-meaning still holds its four numbers, so it is corrected without the file.
+A reader assumes the meaning of its format, but a file may differ: corners instead of width and
+height, the vertical axis first, or shares of the picture. A box that was read with the wrong
+meaning still determines the numbers in the file, so correcting it does not need the file.
 """
 
 from __future__ import annotations
@@ -35,21 +35,21 @@ KINDS: Final = {
         ("centre y", "centre x", "height", "width"),
     ),
 }
-"""What the numbers are, in their order: the horizontal one of each pair first, or second."""
+"""Names of the four numbers in order, with the horizontal one of each pair first, or second."""
 UNITS: Final = {
     "": (None, ""),
     "shares": (1.0, "shares of the picture (0 to 1)"),
     "percent": (100.0, "percent of the picture"),
     "thousandths": (1000.0, "thousandths of the picture"),
 }
-"""What the whole width (or height) of the picture is in each unit; None: pixels."""
+"""Width (or height) of the picture in each unit. None: pixels."""
 YX: Final = "yx"
 SCORE_FIRST: Final = "score"
 
 
 @dataclass(frozen=True)
 class BoxLayout:
-    """What the numbers of a box are.
+    """Meaning of the numbers of a box.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class BoxLayout:
     unit
         A key of `UNITS`.
     is_score_first
-        Whether the score stands before the four numbers, where the reader took it from behind.
+        Whether the score is before the four numbers, not after them as the reader assumed.
     """
 
     kind: str = "sizes"
@@ -69,20 +69,20 @@ class BoxLayout:
     is_score_first: bool = False
 
     def __str__(self) -> str:
-        """As a session file and a flag say it, such as ``corners-yx-thousandths``."""
+        """Name the layout as session files and flags do, such as ``corners-yx-thousandths``."""
         words = (SCORE_FIRST * self.is_score_first, self.kind, YX * self.is_yx, self.unit)
         return "-".join(filter(None, words))
 
     @property
     def text(self) -> str:
-        """In words, such as ``left, top, right, bottom in percent of the picture``."""
+        """Describe the layout: ``left, top, right, bottom in percent of the picture``."""
         text = ", ".join(KINDS[self.kind][self.is_yx])
         if self.is_score_first:
             text = f"score, {text}"
         return f"{text} in {UNITS[self.unit][1]}" if self.unit else text
 
     def numbers(self, box: Box, score: np.ndarray, size: Box | None) -> tuple[np.ndarray, ...]:
-        """The numbers that a box in pixels was made from, and the score; inverse of `boxes`."""
+        """Convert a box in pixels and its score to the file's numbers (inverse of `boxes`)."""
         x, y, w, h = box
         if self.kind == "corners":
             w, h = x + w, y + h
@@ -93,12 +93,12 @@ class BoxLayout:
         return (score, *numbers) if self.is_score_first else (*numbers, score)
 
     def boxes(self, numbers: tuple[np.ndarray, ...], size: Box | None) -> tuple[Box, np.ndarray]:
-        """x, y, w, h (px) and score from the four numbers and the score in their order.
+        """Convert the file's numbers to x, y, w, h (px) and the score.
 
         Parameters
         ----------
         size
-            Width and height (px) of the picture of each box; not needed for pixels.
+            Width and height (px) of the picture of each box. None if the numbers are pixels.
         """
         score, a, b, c, d = numbers if self.is_score_first else (numbers[4], *numbers[:4])
         x, y, w, h = self._scaled((b, a, d, c) if self.is_yx else (a, b, c, d), size)
@@ -121,7 +121,7 @@ class BoxLayout:
 
 
 def parse_layout(text: str) -> BoxLayout:
-    """The layout that a session file or a flag names.
+    """Parse the name of a layout in a session file or a flag.
 
     Raises
     ------
@@ -146,7 +146,7 @@ def parse_layout(text: str) -> BoxLayout:
 
 
 def layouts(units: Iterable[str], orders: Iterable[bool]) -> list[BoxLayout]:
-    """All layouts with these units, and the score behind the box (False) or before it (True)."""
+    """List all layouts with these units and with the score before (True) or after the box."""
     sides = product(units, KINDS, (False, True), orders)
     return [BoxLayout(kind, is_yx, unit, is_first) for unit, kind, is_yx, is_first in sides]
 
@@ -163,19 +163,19 @@ def sizes_given(session: Session) -> Sizes:
 
 
 def with_layout(reading: Reading, source: Source, given: Sizes, truth: Reading | None) -> Reading:
-    """Return the reading with its boxes as `Source.boxes` says that they are written.
+    """Return the reading with its boxes interpreted as `Source.boxes` says.
 
     Parameters
     ----------
     given
-        Sizes that go before those of the readings.
+        Sizes that take precedence over those of the readings.
     truth
-        Whose sizes help where the reading has none; None: it is the truth.
+        Truth with sizes for recordings without one. None: the reading is the truth.
 
     Raises
     ------
     MissingFactError
-        If the numbers are shares of pictures whose size nobody says.
+        If the numbers are shares of pictures of unknown size.
     SessionError
         If the score should stand first in files that name their fields.
     """
@@ -220,7 +220,7 @@ def with_layout(reading: Reading, source: Source, given: Sizes, truth: Reading |
 def _sizes(
     names: Iterable[str], given: Sizes, reading: Reading, truth: Reading | None
 ) -> list[tuple[float, float]]:
-    """Width and height (px) of the pictures of recordings, NaN unknown."""
+    """Return the width and height (px) of the pictures of recordings, NaN if unknown."""
     known = dict(given)
     if "" not in given:
         for table in (reading.recordings, *([] if truth is None else [truth.recordings])):

@@ -1,4 +1,4 @@
-"""A session changed: facts overridden, remedies applied, the way stated in which it was read."""
+"""Change a session: override facts, apply remedies, state how its inputs were read."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _OF_SOURCE: Final = {
 }
 """Fields of `Source`."""
 _OF_ALL: Final = {Remedy.SIZE: "size", Remedy.RATE: "fps", Remedy.FRAMES: "frames"}
-"""What `override_recordings` takes."""
+"""Arguments of `override_recordings`."""
 _OF_RECORDING: Final[dict[Remedy, tuple[str, Any]]] = {
     Remedy.PICTURES: ("pictures", str),
     Remedy.FIRST_PICTURE: ("first_picture", int),
@@ -65,7 +65,7 @@ def override_recordings(
 def stated_by_recording(
     session: Session, names: Sequence[str], in_files: Sequence[str] | None = None
 ) -> Session:
-    """State what the session says of all recordings in the entry of each, so that more can join.
+    """Move facts about all recordings to the entry of each, so that others can be added.
 
     Parameters
     ----------
@@ -126,12 +126,12 @@ def applied(session: Session, step: Step, systems: Sequence[str]) -> Session | N
 def stated(session: Session, dataset: Dataset) -> Session:
     """Return the session as it is written, with names of systems and ways of reading.
 
-    What is given stays; what was recognised, or is usual in the format, is given now.
+    Explicit options are kept. Detected options and defaults of the format become explicit.
 
     Parameters
     ----------
     dataset
-        What was loaded from the session.
+        Dataset that was loaded from the session.
     """
     return replace(
         session,
@@ -146,7 +146,7 @@ def stated(session: Session, dataset: Dataset) -> Session:
 def live_session(
     session: Session, dataset: Dataset, params: Params, *, x: str | None, y: str | None
 ) -> Session:
-    """The session with the live parameters, thresholds and systems."""
+    """Return the session with the live parameters, thresholds and systems."""
     # a threshold of None counts every detection; as a parameter it would leave the system's own
     live = {x: params.threshold_x, y: params.threshold_y}
     systems = tuple(

@@ -30,12 +30,12 @@ MOST_CODES: Final = 10_000
 
 
 def with_codes(session: Session, names: Sequence[str]) -> Session:
-    """The session with the intervals of its file read into its own, by what recordings are called.
+    """Read a session's file of intervals into the session, matching recordings by their titles.
 
     Parameters
     ----------
     names
-        What all recordings are called. Intervals may name them as in the data, too.
+        Titles of all recordings. Intervals may also use their names in the data.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def with_codes(session: Session, names: Sequence[str]) -> Session:
 
 
 def codes_beyond(dataset: Dataset, codes: Sequence[CodedInterval]) -> list[Finding]:
-    """A warning of the intervals that no evaluated frame of their recording is in."""
+    """Warn about intervals that contain no evaluated frame of their recording."""
     frames = dataset.frames.groupby("recording")["time_s"].agg(["min", "max"])
     spans = frames.rename(index=dict(enumerate(dataset.recordings["name"]))).T.to_dict()
     beyond = [
@@ -87,7 +87,7 @@ def codes_beyond(dataset: Dataset, codes: Sequence[CodedInterval]) -> list[Findi
 
 
 def read_codes(path: Path) -> list[tuple[CodedInterval, int]]:
-    """Intervals and the line of each.
+    """Read the intervals and the line of each.
 
     Raises
     ------

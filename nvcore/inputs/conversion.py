@@ -1,4 +1,4 @@
-"""Any readable input as plain CSV, Parquet, COCO or MOTChallenge: read, checked, written."""
+"""Convert any readable input to plain CSV, Parquet, COCO or MOTChallenge."""
 
 from __future__ import annotations
 
@@ -28,24 +28,24 @@ DETECTIONS: Final = Step(Remedy.OPTION, "detections", "role")
 
 @dataclass(frozen=True)
 class Conversion:
-    """What `convert` wrote.
+    """Result of `convert`: the files that were written.
 
     Attributes
     ----------
     files
-        The files with the boxes.
+        Files with the boxes.
     frame_files
-        The lists of evaluated frames, where they were asked for.
+        Lists of evaluated frames, if they were requested.
     n_boxes, n_frames
-        How many boxes and evaluated frames these hold; no frames for detections.
+        Number of boxes and evaluated frames in the files. Detections have no frames.
     conversion
-        In words, what was converted.
+        Description of the conversion.
     findings
-        What was odd in the input.
+        Oddities of the input.
     warnings
-        What the written files cannot hold, in sentences.
+        Sentences about facts that the written files cannot hold.
     steps
-        What to do about it.
+        Suggested fixes for the warnings.
     """
 
     files: tuple[Path, ...]
@@ -68,18 +68,18 @@ def convert(arguments: ConvertArguments) -> Conversion:
     source
         The input: a file, folder or glob, or a `Source` that says how to read it.
     target
-        File to write; of MOTChallenge with several recordings a folder.
+        File to write, or a folder for several recordings of MOTChallenge.
     to
-        ``csv``, ``parquet``, ``coco`` or ``mot``; None: as the ending of the target's name says.
+        ``csv``, ``parquet``, ``coco`` or ``mot``. None: by the ending of the target's name.
     size
-        Of pictures whose size the files do not say, px.
+        Size of pictures (px) whose size is not in the files.
     objects
-        What the boxes are of; None: pedestrians.
+        Kind of objects in the boxes. None: pedestrians.
 
     Raises
     ------
     InputError
-        If a file cannot be read or written, or what the input holds is unclear.
+        If a file cannot be read or written, or the content of the input is ambiguous.
 
     Examples
     --------
@@ -146,7 +146,7 @@ def convert(arguments: ConvertArguments) -> Conversion:
 
 
 def _files_of(source: Source, role: Role, *, is_guess: bool) -> tuple[list[SourceFile], Format]:
-    """The files of the input; an input that holds detections says what to give."""
+    """Find the files of the input and their format, or explain how to convert detections."""
     try:
         return find_files(source, Path.cwd(), role)
     except InputError:
@@ -158,7 +158,7 @@ def _files_of(source: Source, role: Role, *, is_guess: bool) -> tuple[list[Sourc
 
 
 def _are_detections(source: Source) -> bool:
-    """Whether the files are recognised as detections, and hold some."""
+    """Whether the files contain detections."""
     try:
         return find_files(source, Path.cwd(), "detections")[1] is not NOTHING
     except InputError:
@@ -174,7 +174,7 @@ def _has_scores(
 ) -> bool:
     """Whether files of ground truth, read as detections, have scores other than 0 and 1.
 
-    Those two are MOTChallenge's mark of rows to ignore and to count, in the column of the scores.
+    In MOTChallenge's column of scores, these two mark rows to ignore and rows to count.
     """
     if "detections" not in source_format.roles:
         return False
@@ -187,7 +187,7 @@ def _has_scores(
 
 
 def _with_size(reading: Reading, size: tuple[int, int] | None) -> tuple[Reading, list[str]]:
-    """The reading with the given size for recordings whose files do not say theirs; warnings."""
+    """Fill in unknown picture sizes, and warn about recordings with another size."""
     if size is None:
         return reading, []
     table = reading.recordings.copy()
@@ -203,7 +203,7 @@ def _with_size(reading: Reading, size: tuple[int, int] | None) -> tuple[Reading,
 
 
 def _unknown_sizes(reading: Reading) -> list[str]:
-    """A warning about recordings whose size is not known, if there are any."""
+    """Warn about recordings of unknown size, if there are any."""
     n_unknown = int((~(reading.recordings[["width", "height"]] > 0).all(axis=1)).sum())
     text = (
         f"the image size of {n_unknown} of {len(reading.recordings)} recordings is not known, and "
@@ -213,7 +213,7 @@ def _unknown_sizes(reading: Reading) -> list[str]:
 
 
 def _evaluated_frames(reading: Reading, to: str) -> tuple[dict[str, np.ndarray], str]:
-    """Evaluated frames by recording, and a warning if they do not follow from the boxes.
+    """Return evaluated frames by recording, and a warning if boxes do not determine them.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Which frames of a recording are evaluated, and why."""
+"""Evaluated frames of a recording, and the reason for choosing them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from nvcore.memory import SPARSE
 from nvcore.wording import MOST_NAMED, listed, one_line
 
 MIN_SAMPLED: Final = 8
-"""Annotated frames from which a common step between them is taken for regular sampling."""
+"""Smallest number of annotated frames whose common step counts as regular sampling."""
 LONG: Final = 100_000
 """Frames of a recording, an hour at 28 Hz, from which on `SPARSE` holds."""
 _LINE_ENDS: Final = tuple(end.encode() for end in "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029")
@@ -26,24 +26,24 @@ _LINE_ENDS: Final = tuple(end.encode() for end in "\n\r\v\f\x1c\x1d\x1e\x85\u202
 
 
 def parse_frames(text: str, folder: Path, own: np.ndarray | None = None) -> np.ndarray:
-    """Frame numbers from a range (`frame_range`), or from a file with one number a line.
+    """Parse frame numbers from a range (`frame_range`) or a file with one number per line.
 
     Parameters
     ----------
     own
-        Frames that the recording has, sorted, int64, for a range with an end that is missing; None:
-        it needs both.
+        Frames of the recording, sorted, int64, for a range that lacks an end. None: the range
+        needs both ends.
 
     Returns
     -------
-    Sorted, unique, int64; none where the range begins behind the recording's end.
+    Sorted, unique, int64. Empty if the range begins after the recording's end.
 
     Raises
     ------
     InputError
         If the range is empty or too long, or the file cannot be opened.
     FormatError
-        With the line that is no whole number.
+        If a line is not a whole number.
     """
     if is_frame_range(text):
         return _frames_in(text, own)
@@ -51,7 +51,7 @@ def parse_frames(text: str, folder: Path, own: np.ndarray | None = None) -> np.n
     try:
         with file.open() as stream:
             content = stream.read()
-        # before each line takes memory of its own
+        # checked before each line takes memory of its own
         if sum(map(content.count, _LINE_ENDS)) - content.count(b"\r\n") > MAX_FRAMES:
             raise InputError(f"expected at most {MAX_FRAMES} lines")
         lines = content.decode("utf-8-sig").splitlines()
@@ -74,13 +74,13 @@ def parse_frames(text: str, folder: Path, own: np.ndarray | None = None) -> np.n
 
 
 def _meant(text: str) -> str:
-    """What a range that is written otherwise may mean."""
+    """Suggest a range such as 0:299 for text such as 0-299, or return an empty text."""
     ends = re.fullmatch(r"(\d{1,15})\s*(?:-|\.\.+|to)\s*(\d{1,15})", text.rpartition("/")[2])
     return "" if ends is None else f"; did you mean {ends[1]}:{ends[2]}?"
 
 
 def _frames_in(text: str, own: np.ndarray | None) -> np.ndarray:
-    """Frames of a range; see `parse_frames`."""
+    """Return the frames of a range, as `parse_frames` does."""
     chosen = frame_range(text)
     first, last = chosen.first, chosen.last
     if first is None or last is None:
@@ -96,12 +96,12 @@ def _frames_in(text: str, own: np.ndarray | None) -> np.ndarray:
 
 
 def frames_there(frames: Mapping[str, np.ndarray]) -> str:
-    """Which frames recordings have, in words, for an error about others.
+    """Describe the frames that recordings have, for an error about other frames.
 
     Parameters
     ----------
     frames
-        Of each recording, by its name, sorted.
+        Sorted frame numbers of each recording, by its name.
     """
     names_of: dict[str, list[str]] = {}
     for name, own in frames.items():
@@ -115,26 +115,26 @@ def frames_there(frames: Mapping[str, np.ndarray]) -> str:
 
 
 def nth(step: int) -> str:
-    """The step as an ordinal number: ``2nd``, ``20th``."""
+    """Format the step as an ordinal number: ``2nd``, ``20th``."""
     ending = {1: "st", 2: "nd", 3: "rd"}.get(step % 10 if step // 10 % 10 != 1 else 0, "th")
     return f"{step}{ending}"
 
 
 def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
-    """Evaluated frames of a recording from the frames that have truth, and the reason.
+    """Infer evaluated frames of a recording from the frames that have truth, with the reason.
 
-    Every frame from the first to the last annotated one; or every n-th, where all annotated
-    frames lie a multiple of n apart (n > 1, at least `MIN_SAMPLED` of them).
+    These are all frames from the first to the last annotated one, or every n-th if all annotated
+    frames are a multiple of n apart (n > 1, at least `MIN_SAMPLED` of them).
 
     Parameters
     ----------
     annotated
-        Frame numbers with truth, ignored boxes included; sorted, unique, not empty.
+        Frame numbers with truth (including ignored boxes), sorted, unique, not empty.
 
     Raises
     ------
     MissingFactError
-        If that would be more frames than any recording has, or hardly one of them is annotated.
+        If there would be more frames than any recording has, or few of them are annotated.
     """
     first, last = int(annotated[0]), int(annotated[-1])
     step = int(np.gcd.reduce(np.diff(annotated))) if len(annotated) >= MIN_SAMPLED else 1
@@ -157,7 +157,7 @@ def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
 def own_frames(
     truth: Reading, names: Iterable[str], files: Sequence[SourceFile] = ()
 ) -> dict[str, tuple[np.ndarray, str]]:
-    """Evaluated frames of recordings by the ground truth, and the reason in words.
+    """Return evaluated frames of recordings by the ground truth, with a text on the reason.
 
     Parameters
     ----------
@@ -166,17 +166,17 @@ def own_frames(
     names
         The recordings that are needed.
     files
-        The truth's, for the error.
+        Files of the truth, for the error.
 
     Returns
     -------
     dict
-        By recording: frame numbers, sorted, unique, int64; none where nothing is known of them.
+        Frame numbers by recording, sorted, unique, int64. Empty if nothing is known.
 
     Raises
     ------
     MissingFactError
-        If that would be more frames than any recording has; with the line of the largest number.
+        If there would be more frames than any recording has, with the line of the largest.
     """
     names = list(names)
     if not names:
@@ -208,13 +208,13 @@ def own_frames(
 
 
 def frames_by_recording(table: pd.DataFrame) -> dict[str, np.ndarray]:
-    """Frame numbers, sorted and unique, of every recording of a table."""
+    """Return sorted unique frame numbers by recording of a table."""
     groups = table.groupby("recording", sort=False, observed=True)["frame"]
     return {str(name): _sorted_unique(group.to_numpy(dtype=np.int64)) for name, group in groups}
 
 
 def _sorted_unique(numbers: np.ndarray) -> np.ndarray:
-    """As `numpy.unique`, several times quicker where the numbers are sorted already."""
+    """Return sorted unique numbers, faster than `numpy.unique` if they are already sorted."""
     if np.any(numbers[1:] < numbers[:-1]):
         return np.unique(numbers)
     is_new = np.ones(len(numbers), dtype=bool)

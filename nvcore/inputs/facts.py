@@ -1,4 +1,4 @@
-"""Facts that a session gives: what they may be, and how sizes and frames are written."""
+"""Validation and parsing of facts that a session gives, such as sizes and frames."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from nvcore.settings import MAX_FPS, MIN_FPS
 
 P = TypeVar("P")
 FRAME_NAMES: Final = ("numbers", "times", "order", "scenes", "counter")
-"""How names of pictures and large frame numbers can be understood."""
+"""Interpretations of picture names and large frame numbers."""
 
 
 def expect(is_met: bool, message: str) -> None:
@@ -45,8 +45,8 @@ def check_finite(name: str, value: float | None) -> None:
 
 
 def check_path(name: str, text: str | None) -> None:
-    """Raise SessionError where the text can be no path."""
-    # other control characters may be in the names of files, and are shown harmlessly
+    """Raise SessionError if the text cannot be a path."""
+    # names of files may have other control characters, which are escaped when shown
     if text is not None and "\0" in text:
         raise SessionError(f"{name}: expected a path, found one with a NUL: {text!r}")
 
@@ -57,11 +57,11 @@ def path_field(meaning: str = "", *, label: str = "", is_of_run: bool = False) -
     Parameters
     ----------
     meaning
-        Of a key of a system that has a flag for X and one for Y: their help, with ``{system}``.
+        Help text with ``{system}`` of a system's key that has flags for X and Y.
     label
         Label of its field in a form that opens files. Empty: the form has none.
     is_of_run
-        Whether the file is about one run of a system: other detections make it invalid.
+        Whether the file is about one run of a system, so that other detections invalidate it.
     """
     about = {"is_path": True, "meaning": meaning, "label": label, "is_of_run": is_of_run}
     return field(default=None, metadata=about)
@@ -77,7 +77,7 @@ def without_files_of_run(part: P) -> P:
 
 @cache
 def labelled_paths(kind: Any) -> Mapping[str, str]:
-    """Labels of the fields of a part of a session for which a form has fields, by their names."""
+    """Return labels of a session part's fields that are shown in forms, by field name."""
     labels = {spec.name: spec.metadata.get("label", "") for spec in fields(kind)}
     return {name: label for name, label in labels.items() if label}
 
@@ -94,7 +94,7 @@ def paths_in(part: Any) -> Iterator[str]:
 
 
 def check_paths(part: Any) -> None:
-    """Raise SessionError where one of `paths_in` can be no path."""
+    """Raise SessionError if one of `paths_in` cannot be a path."""
     for name in _path_fields(part.__class__):
         check_path(name, getattr(part, name))
 
@@ -108,7 +108,7 @@ def with_paths_in(part: P, rename: Callable[[str], str | None]) -> P:
 
 
 def parse_size(text: str) -> tuple[int, int]:
-    """Width and height from ``640x480``.
+    """Parse width and height from ``640x480``.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def parse_size(text: str) -> tuple[int, int]:
 
 
 FRAME_RANGE: Final = "first:last or first:last:step"
-"""How frames are chosen in a text, both ends included; one that is missing is the recording's."""
+"""Form of a range of frames, inclusive. A missing end is the recording's."""
 _FRAME_RANGE: Final = re.compile(r"\s*(-?\d{1,15})?\s*:\s*(-?\d{1,15})?\s*(?::\s*(\d{1,15})\s*)?")
 
 
@@ -147,12 +147,12 @@ def is_open_range(frames: str) -> bool:
 
 
 def frame_range(frames: str) -> FrameRange:
-    """The frames that a text such as ``0:299``, ``:399`` or ``0:299:5`` chooses.
+    """Parse a range of frames such as ``0:299``, ``:399`` or ``0:299:5``.
 
     Raises
     ------
     InputError
-        If it is none, or holds no frame.
+        If the text is not a range, or the range is empty.
     """
     match = _FRAME_RANGE.fullmatch(frames)
     if match is not None:
@@ -190,7 +190,7 @@ def objects_named(names: str | Sequence[str] | Objects | None) -> Objects | None
     Raises
     ------
     InputError
-        If they are no names.
+        If they are not names of objects.
     """
     if names is None:
         return None
@@ -201,12 +201,12 @@ def objects_named(names: str | Sequence[str] | Objects | None) -> Objects | None
 
 
 def size_from(size: Size | None) -> tuple[int, int] | None:
-    """Width and height of a picture, however they are given.
+    """Convert a picture's size, given as a pair or as text, to width and height.
 
     Raises
     ------
     InputError
-        If they are no pair of numbers and no text of this form.
+        If the size is neither a pair of numbers nor text such as ``640x480``.
     """
     if size is None:
         return None

@@ -1,4 +1,4 @@
-"""From the paths of a session to the files that are read."""
+"""Find the files that the paths of a session name."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from nvcore.inputs.session import Session, Source
 from nvcore.wording import MOST_NAMED, listed
 
 NAME_PARTS = 3
-"""How many parts of a path a file is shown by: enough for recording/gt/gt.txt."""
+"""Number of path parts that are shown, enough for recording/gt/gt.txt."""
 
 EMPTY_TRUTH: Final = (
     "the file is empty; expected ground truth with at least one box: is it the right file?"
@@ -38,17 +38,17 @@ HEAD_BYTES: Final = 4096
 
 
 def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFile], Format]:
-    """Files of a source and their format.
+    """Find the files of a source and detect their format.
 
-    A path is a file or a pipe, a glob, or a folder. In a folder with MOTChallenge's layout those
-    are ``*/gt/gt.txt`` (truth) or ``*/det/det.txt`` (detections), packed or not; in any other all
-    files below it whose ending belongs to the format. Detection files that are all empty are read
-    by `NOTHING`, whatever format is named: the system detected nothing.
+    A path is a file, a pipe, a glob, or a folder. A folder with MOTChallenge's layout gives
+    ``*/gt/gt.txt`` (truth) or ``*/det/det.txt`` (detections), compressed or not. Any other folder
+    gives all files below it with an ending of the format. If all detection files are empty, the
+    system detected nothing, and the format is `NOTHING` whatever format is named.
 
     Raises
     ------
     InputError
-        If nothing is there, or the ground truth is empty.
+        If there are no files, or the ground truth is empty.
     UnknownFormatError
         If the format cannot be recognised.
     """
@@ -57,7 +57,7 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
     for file in expanded:
         _check_name(file.path)
     files = list({file.path: file for file in expanded}.values())
-    # a seqinfo.ini sent along is read as what it is: facts about the recording beside it
+    # a seqinfo.ini among the files holds facts about the recording beside it
     files = [file for file in files if file.path.name.lower() != "seqinfo.ini"] or files
     if declared is not None and role not in declared.roles:
         advice = "" if role == "detections" else "; they hold detections"
@@ -77,7 +77,7 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
             steps=(Step(Remedy.FRAME_LIST),),
         )
     file_format = declared if declared is not None else detect_format(files, role)
-    # a file that was named is always read, whatever its folder or a glob adds
+    # a file that is named explicitly is always read, whatever folders or globs add
     stated = {folder / text for text in source.path}
     readable = [
         file
@@ -93,7 +93,7 @@ def find_all(session: Session) -> None:
     Raises
     ------
     InputError
-        If one is not there.
+        If a file does not exist.
     """
     for source, role in session.sources:
         find_files(source, session.folder, role)
@@ -116,12 +116,12 @@ def _is_frame_list(files: Sequence[SourceFile]) -> bool:
 
 
 def _expand(text: str, folder: Path, role: Role, declared: Format | None) -> list[SourceFile]:
-    """Files of one path of a source: a file or a pipe, a glob or a folder."""
+    """List the files of one path of a source: a file, a pipe, a glob or a folder."""
     path = folder / text
     try:
         is_folder, is_file = path.is_dir(), path.is_file() or path.is_fifo()
         is_other = not is_folder and not is_file and path.exists()
-    except OSError as error:  # a name that is too long, a folder that may not be looked into
+    except OSError as error:  # a name that is too long, or an unreadable folder
         raise InputError(f"cannot be opened ({error.strerror})", file=text) from error
     if is_folder:
         with _folders_opened(path, text):
@@ -136,7 +136,7 @@ def _expand(text: str, folder: Path, role: Role, declared: Format | None) -> lis
         if files:
             return files
         start = Path(*takewhile(lambda part: not glob.has_magic(part), Path(text).parts))
-        if (folder / start).is_dir():  # glob passes over what it may not look into
+        if (folder / start).is_dir():  # glob skips unreadable folders
             with _folders_opened(folder / start, start.as_posix()):
                 _ = [*(folder / start).iterdir()]
         raise InputError("no file matches this pattern", file=text)
@@ -144,7 +144,7 @@ def _expand(text: str, folder: Path, role: Role, declared: Format | None) -> lis
 
 
 def _in_folder(path: Path, text: str, role: Role, declared: Format | None) -> list[SourceFile]:
-    """Files of a folder, see `find_files`."""
+    """List the files of a folder (see `find_files`)."""
     parts = ("gt", "gt.txt") if role == "truth" else ("det", "det.txt")
     matches = _mot_files(path, *parts)
     if matches and (declared is None or declared.name == "mot"):
@@ -168,12 +168,12 @@ def _in_folder(path: Path, text: str, role: Role, declared: Format | None) -> li
 
 
 def _stem(path: Path) -> str:
-    """Name of a file without its endings of content and packing."""
+    """Return the name of a file without its endings of format and compression."""
     return Path(unpacked_name(path.name)).stem
 
 
 def _mot_files(path: Path, folder: str, name: str) -> list[Path]:
-    """Files in MOTChallenge's layout: of the recordings in a folder, else of the folder itself."""
+    """List files in MOTChallenge's layout of recordings in a folder, else of the folder itself."""
     with os.scandir(path) as entries:
         recordings = sorted(Path(entry) for entry in entries if entry.is_dir())
     for places in (recordings, [path]):
@@ -194,7 +194,7 @@ def _plain_or_packed(folder: Path, name: str) -> Path | None:
 
 
 def _files_below(folder: Path) -> Iterator[Path]:
-    """Files in a folder and the folders in it; hidden ones are passed over."""
+    """Yield the files in a folder and its subfolders, except hidden ones."""
 
     def refuse(error: OSError) -> None:
         raise error
@@ -209,7 +209,7 @@ def _files_below(folder: Path) -> Iterator[Path]:
 
 @contextmanager
 def _folders_opened(path: Path, text: str) -> Iterator[None]:
-    """Within it, a folder that may not be looked into is an InputError that names it."""
+    """Convert OSErrors about unreadable folders to InputErrors that name the folder."""
     try:
         yield
     except OSError as error:
@@ -239,17 +239,17 @@ def _refuse_truth_alone(path: Path, text: str) -> None:
 
 
 def _shown(path: Path) -> str:
-    """The last parts of a path, by which its file is shown."""
-    # abspath, not resolve: what a link points to may be named by its hash
+    """Return the last parts of a path, for display."""
+    # abspath, not resolve: the target of a link may be named by its hash
     return "/".join(Path(os.path.abspath(path)).parts[-NAME_PARTS:]).replace("//", "/")  # noqa: PTH100
 
 
 def paths_to_show(folder: Path, sources: Iterable[tuple[Source, Role]]) -> dict[str, str]:
-    """Paths of all files that can be pasted into a terminal, by `SourceFile.name`.
+    """Return paths of all files for display in a terminal, by `SourceFile.name`.
 
-    Relative to the current folder for files below it or named by a relative path, else absolute.
-    A name that two files have is left out. For the terminal only: reports hold the names, which
-    are the same wherever they are made.
+    They are relative to the current folder for files below it or named by a relative path, else
+    absolute. Ambiguous names are left out. Reports use the names instead, which do not depend on
+    the current folder.
     """
     working_folder = Path.cwd()
     shown: dict[str, set[str]] = {}
@@ -270,7 +270,7 @@ def paths_to_show(folder: Path, sources: Iterable[tuple[Source, Role]]) -> dict[
 
 @contextmanager
 def located(files: Sequence[SourceFile]) -> Iterator[None]:
-    """Within it, errors about one of the files know where it lies."""
+    """Set the path on InputErrors about one of the files."""
     try:
         yield
     except InputError as error:
@@ -279,7 +279,7 @@ def located(files: Sequence[SourceFile]) -> Iterator[None]:
 
 
 def path_to_show(path: Path) -> str:
-    """The path of one file, relative to the current folder for a file below it."""
+    """Return a path for display, relative to the current folder for a file below it."""
     path = Path(os.path.abspath(path))  # noqa: PTH100  # as in _shown
     return (path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path).as_posix()
 
@@ -301,7 +301,7 @@ _KIND: Final = re.compile(
 
 
 def without_kind(name: str) -> str:
-    """The name without what says that it holds detections.
+    """Remove the part of a name that marks it as detections.
 
     Examples
     --------
@@ -312,11 +312,11 @@ def without_kind(name: str) -> str:
 
 
 def system_names(sources: Sequence[Source], recordings: Sequence[str]) -> list[str]:
-    """Names for systems by their paths, distinct where the paths allow it.
+    """Name systems by their paths, distinctly if the paths differ.
 
-    Each by the part nearest to the file that is neither a neutral word (``det``) nor a recording.
-    Where that gives several the same name (``x/out.csv`` and ``y/out.csv``), these are named by the
-    next part of their paths in which they differ; the others keep theirs.
+    A name is the part nearest to the file that is neither a neutral word (``det``) nor a recording.
+    Systems that would share a name (``x/out.csv`` and ``y/out.csv``) are named by the next part in
+    which their paths differ.
     """
     parts = [_telling_parts(source, recordings) for source in sources]
     stems = [_stem(Path(source.path[0])) for source in sources]
@@ -337,7 +337,7 @@ def system_names(sources: Sequence[Source], recordings: Sequence[str]) -> list[s
 
 
 def _telling_parts(source: Source, recordings: Sequence[str]) -> list[str]:
-    """Parts of the path that are neither neutral nor a recording, nearest to the file first."""
+    """List path parts that are neither neutral nor a recording, nearest to the file first."""
     path = Path(source.path[0])
     return [
         part
@@ -350,7 +350,7 @@ def _telling_parts(source: Source, recordings: Sequence[str]) -> list[str]:
 
 
 def digest(files: Sequence[SourceFile]) -> list[str]:
-    """sha256 of every file as it is stored, packed or not.
+    """Hash every file as it is stored, compressed or not, with SHA-256.
 
     Raises
     ------

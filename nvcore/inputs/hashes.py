@@ -1,4 +1,4 @@
-"""What tells inputs from those of another time: hashes of their bytes."""
+"""Hashes of the inputs, which reveal that an input has changed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from nvcore.inputs.readers.base import warning
 
 
 def source_hashes(dataset: Dataset) -> dict[str, str]:
-    """sha256 of each source (truth or system): over the hashes of its files, in their order."""
+    """Return the SHA-256 of each source (truth or system), over the hashes of its files."""
     return {
         str(subject): source_hash(group)
         for subject, group in dataset.inputs.groupby("subject", sort=False)["sha256"]
@@ -19,23 +19,23 @@ def source_hashes(dataset: Dataset) -> dict[str, str]:
 
 
 def source_hash(digests: Iterable[str]) -> str:
-    """sha256 over the hashes of files."""
+    """Return the SHA-256 over the hashes of files."""
     return hashlib.sha256("\n".join(digests).encode()).hexdigest()
 
 
 def changed_input(
     subject: str, files: Sequence[str], digests: list[str], hashes: Mapping[str, str]
 ) -> list[Finding]:
-    """That a source is not what it was when the session was written, if so.
+    """Warn if a source has changed since the session was written.
 
     Parameters
     ----------
     files
-        Names of its files.
+        Names of the source's files.
     digests
-        Hashes of these.
+        Hashes of the files.
     hashes
-        Those of the sources at that time, by subject; see `source_hashes`.
+        Hashes of all sources at that time, by subject (see `source_hashes`).
     """
     before = hashes.get(subject)
     if before is None or before == source_hash(digests):

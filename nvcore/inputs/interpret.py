@@ -1,4 +1,4 @@
-"""Names and numbers of a reading interpreted: times as frames, divided sets, row numbers as ids."""
+"""Interpret names and numbers of a reading: times, parts of data sets, row numbers as ids."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ LEAST_IDS: Final = 10
 def with_names_interpreted(
     reading: Reading, options: ReadOptions, files: Sequence[SourceFile]
 ) -> Reading:
-    """The reading with what the names of its pictures tell: how they were understood, rates."""
+    """Interpret times and subsets, and add frame rates and findings from names of pictures."""
     if reading.named is None and reading.images is None:
         reading = _with_times_numbered(reading, options, files)
     reading = _with_subsets_joined(reading, options)
@@ -60,12 +60,12 @@ def with_names_interpreted(
 def _with_times_numbered(
     reading: Reading, options: ReadOptions, files: Sequence[SourceFile]
 ) -> Reading:
-    """The reading with frames in place of times, where its format has frame numbers alone."""
+    """Replace times by frame numbers, if the format has only frame numbers."""
     tables = [reading.boxes] if reading.annotated is None else [reading.boxes, reading.annotated]
     is_stated = options.frame_names == "times"
     if not len(tables[-1]) or (tables[-1]["frame"].iloc[0] < LEAST_TIME and not is_stated):
         return reading
-    columns = ["recording", "frame", "file", "line"]  # line 0: it is not known
+    columns = ["recording", "frame", "file", "line"]  # line 0: unknown
     rows = pd.concat(
         [
             table.reindex(columns=columns, fill_value=0).astype({"recording": object})
@@ -86,12 +86,11 @@ def _with_times_numbered(
 
 
 def _with_subsets_joined(reading: Reading, options: ReadOptions) -> Reading:
-    """The reading with subsets (train, val, test) joined to the recordings that they are parts of.
+    """Join subsets (train, val, test) to the recordings that they are parts of.
 
-    Tools divide the pictures of one recording at random; as recordings of their own, with gaps,
-    its encounters would be counted in each. Subsets whose frame numbers or pictures' sizes
-    contradict each other are different recordings and stay so, as they do where the numbers are
-    said to be those of scenes.
+    Tools split the pictures of a recording at random. As separate recordings with gaps, each would
+    count the same encounters. Subsets remain different recordings if their frame numbers or sizes
+    of pictures contradict each other, or if the user says that the numbers are those of scenes.
     """
     table = reading.recordings
     whole = {
@@ -128,7 +127,7 @@ def _with_subsets_joined(reading: Reading, options: ReadOptions) -> Reading:
 
 
 def renamed_reading(reading: Reading, titles: Mapping[str, str], fact: str = "") -> Reading:
-    """The reading with other names of some of its recordings, by the old ones; why, in words."""
+    """Rename recordings of a reading by `titles`, and add the reason (`fact`) if it is given."""
 
     def name_of(name: str) -> str:
         return titles.get(name, name)
@@ -138,7 +137,7 @@ def renamed_reading(reading: Reading, titles: Mapping[str, str], fact: str = "")
             return None
         names = table[column]
         if isinstance(names.dtype, pd.CategoricalDtype):
-            # of names that become equal it makes text
+            # if names become equal, map returns text
             names = names.map(name_of).astype("category")
         else:
             names = pd.Series([*map(name_of, names)], index=names.index, dtype=object)
@@ -161,7 +160,7 @@ def renamed_reading(reading: Reading, titles: Mapping[str, str], fact: str = "")
 
 
 def without_row_numbers(reading: Reading, options: ReadOptions) -> Reading:
-    """Drop track ids that number the boxes: nearly all of a recording occur once.
+    """Drop track ids that are row numbers, since nearly all of a recording occur once.
 
     The ids of a recording are judged by themselves if they are at least `LEAST_IDS`, and by those
     of the whole reading. A recording with boxes in a single frame proves nothing.

@@ -1,4 +1,4 @@
-"""From a session to a `Dataset`, step by step.
+"""Load a session as a `Dataset`, step by step.
 
 `load` reads each source: find its files and their format (`nvcore.inputs.files`), read columns
 (`nvcore.inputs.readers`), interpret names (`nvcore.inputs.interpret`), normalize boxes
@@ -72,11 +72,11 @@ def load(
     Parameters
     ----------
     session
-        The inputs, and what they lack. The dataset carries it as its settings.
+        Inputs and the facts that they lack. The dataset keeps the session as its settings.
     tables
-        Tables in memory, by the sources of the session whose files they replace.
+        Tables in memory, by the sources whose files they replace.
     max_frames
-        Most evaluated frames of all recordings; None: no limit.
+        Largest number of evaluated frames of all recordings. None: no limit.
     progress
         Called with the name of the next step.
 
@@ -85,7 +85,7 @@ def load(
     InputError
         If a file cannot be used; with file and line. If there are more frames than `max_frames`.
     MissingFactError
-        If image size, frame rate or truth are needed and unknown; with the flag to give.
+        If image size, frame rate or truth are needed and unknown, with the flag to use.
     """
     _refuse_past_pipes(session)
     session = with_recordings_file(session)
@@ -127,7 +127,7 @@ def load(
 
 
 def _refuse_past_pipes(session: Session) -> None:
-    """Raise InputError for what came through a pipe in the run that wrote the session."""
+    """Raise InputError for inputs that were pipes when the session was written."""
     for path in session.paths():
         if path in session.pipes:
             raise InputError(
@@ -146,7 +146,7 @@ def read_source(
     truth: Reading | None = None,
     objects: Objects = PEDESTRIAN,
 ) -> Reading:
-    """Read a single source, for conversion for example.
+    """Read a single source, for example for conversion.
 
     Raises
     ------
@@ -168,7 +168,7 @@ def read_options(
     truth: Reading | None,
     objects: Objects,
 ) -> ReadOptions:
-    """What the reader of a source needs to know; truth only for detections."""
+    """Collect the options of a source's reader. `truth` is only for detections."""
     return ReadOptions(
         role=role,
         objects=objects,
@@ -195,9 +195,9 @@ def _read(
     table: pd.DataFrame | None,
     named: Mapping[str, str] | None = None,
 ) -> LoadedSource:
-    """A source read, from its files or from the table that replaces them.
+    """Read a source from its files, or from the table that replaces them.
 
-    `named` are names of the truth's classes by their numbers, which its files lack.
+    `named` are names of the truth's classes by number, if its files lack them.
     """
     size = session.common_size or _common_size(truth)
     options = read_options(source, role, size, truth, session.objects)
@@ -209,7 +209,7 @@ def _read(
         if table is None:
             files, file_format = find_files(source, session.folder, role)
             with located(files), ThreadPoolExecutor(1) as pool:
-                # beside reading: neither holds the lock for long; the context knows of pipes
+                # in parallel with reading, since both mostly release the GIL (context: pipes)
                 hashing = pool.submit(copy_context().run, digest, files)
                 reading = file_format.read(files, options)
                 digests = hashing.result()
@@ -238,15 +238,15 @@ def _read(
 
 
 def _picture_folders(session: Session) -> tuple[Path, ...]:
-    """Folders in which pictures of recordings are, also where a pattern picks from them."""
+    """List the folders of the recordings' pictures, including those in glob patterns."""
     places = [session.folder / entry.pictures for entry in session.recordings if entry.pictures]
     return tuple(place.parent if glob.has_magic(place.name) else place for place in places)
 
 
 def _with_ways_taken(session: Session, loaded: Sequence[LoadedSource]) -> Session:
-    """The session with how names of pictures and numbers of classes were understood.
+    """Note in the session how names of pictures and numbers of classes were interpreted.
 
-    A rerun then does the same, also without the files that named the classes.
+    A rerun then gives the same result, even without the files that named the classes.
     """
 
     def stated(source: S, reading: Reading) -> S:
@@ -267,7 +267,7 @@ def _with_ways_taken(session: Session, loaded: Sequence[LoadedSource]) -> Sessio
 
 
 def _names_of_systems(session: Session) -> Mapping[str, str]:
-    """Names of classes by number that lie beside the systems' files; none where two differ."""
+    """Return names of classes by number from files beside the systems', or none if two differ."""
     names: Mapping[str, str] = {}
     for source in session.systems:
         try:
@@ -282,7 +282,7 @@ def _names_of_systems(session: Session) -> Mapping[str, str]:
 
 @contextmanager
 def _about(subject: str) -> Iterator[None]:
-    """Within it, the ways on of errors know whose files they are about; readers do not."""
+    """Add the subject to the suggested fixes of InputErrors, since readers do not know it."""
     try:
         yield
     except InputError as error:
@@ -299,7 +299,7 @@ def _steps_about(steps: Iterable[Step], subject: str) -> tuple[Step, ...]:
 def _with_provenance(
     reading: Reading, source: SystemSource, folder: Path, subject: str
 ) -> tuple[Reading, Provenance | None]:
-    """The reading with what the record of how the detections were made says, and the record."""
+    """Read the provenance of detections, and return the reading with its facts and the record."""
     if source.provenance is None:
         return reading, None
     path = folder / source.provenance
@@ -320,7 +320,7 @@ def _with_provenance(
 
 
 def _common_size(truth: Reading | None) -> tuple[int, int] | None:
-    """The size of the truth's pictures, where its files give a single one."""
+    """Return the size of the truth's pictures if its files give a single one."""
     if truth is None:
         return None
     sizes = truth.recordings[["width", "height"]].drop_duplicates().to_numpy()
@@ -330,7 +330,7 @@ def _common_size(truth: Reading | None) -> tuple[int, int] | None:
 
 
 def _same_single_recording(reading: Reading, truth: Reading) -> Reading:
-    """One recording on both sides is the same one, whatever the files are called."""
+    """Treat a single recording on each side as the same one, regardless of file names."""
     theirs, ours = reading.recordings["name"].tolist(), truth.recordings["name"].tolist()
     if len(theirs) != 1 or len(ours) != 1 or theirs == ours:
         return reading
@@ -339,7 +339,7 @@ def _same_single_recording(reading: Reading, truth: Reading) -> Reading:
 
 
 def _named_by_session(session: Session, loaded: list[LoadedSource]) -> list[LoadedSource]:
-    """The sources with the recordings called as the session calls them."""
+    """Rename the recordings of all sources as the session names them."""
     names = loaded[0].reading.recordings["name"].tolist()
     entries = {entry.name: entry for entry in session.recordings}
     if len(names) == len(entries) == 1:
@@ -348,11 +348,11 @@ def _named_by_session(session: Session, loaded: list[LoadedSource]) -> list[Load
     if not titles and len(names) == len(session.recordings) == 1:
         old, new = names[0], session.recordings[0].name
         if any((source.reading.recordings["name"] == new).any() for source in loaded):
-            return loaded  # it is called so already, or a system holds another one of that name
+            return loaded  # already renamed, or a system has another recording of this name
         titles = {old: new}
     if not titles:
         return loaded
-    # those of the systems too: of two recordings none can be told from the other any longer
+    # including the systems' recordings: two of one name could not be told apart
     of_all = [name for source in loaded for name in source.reading.recordings["name"]]
     listed_names = dict.fromkeys([*of_all, *entries])
     refuse_doubles("recordings", [titles.get(name, name) for name in listed_names])
@@ -388,10 +388,10 @@ def _corrected(reading: Reading, source: SystemSource) -> Reading:
 
 
 def _at_rate(boxes: pd.DataFrame, step: float) -> tuple[pd.DataFrame, str]:
-    """Boxes with frame numbers at another rate, and that in words.
+    """Multiply frame numbers by `step`, and describe the conversion.
 
-    Of several numbers that come to one frame only the nearest stays: the others are pictures
-    between the frames.
+    If several numbers round to one frame, only the nearest is kept, because the others are
+    pictures between the frames.
     """
     exact = boxes["frame"].to_numpy() * step
     frame = np.floor(exact + 0.5).astype(np.int64)

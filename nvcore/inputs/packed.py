@@ -1,4 +1,4 @@
-"""Files packed by gzip, bzip2, xz or Zstandard: unpacked as they are read, within limits."""
+"""Read files compressed by gzip, bzip2, xz or Zstandard, within limits of size."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import pyarrow as pa
 MAX_UNPACKED_BYTES: Final = 1 << 31
 """Largest content of one packed file."""
 MAX_RATIO: Final = 200
-"""Most that a content of more than `RATIO_FROM_BYTES` may be larger than the packed file."""
+"""Largest compression ratio of content of more than `RATIO_FROM_BYTES`."""
 RATIO_FROM_BYTES: Final = 1 << 26
 _MAX_XZ_MEMORY: Final = 1 << 28
-"""What unpacking may take; the strongest setting of xz needs 65 MiB."""
+"""Memory limit in bytes. The strongest setting of xz needs 65 MiB."""
 _CHUNK: Final = 1 << 20
 
 
@@ -24,9 +24,9 @@ class _Source(Protocol):
 
 
 class Unpacking(io.RawIOBase):
-    """The content of a packed file, to be read once from its beginning.
+    """Decompressed content of a file, read once from its beginning.
 
-    Reading raises what `fault` makes of a sentence, if the file is damaged or holds too much.
+    Reading raises the error that `fault` returns if the file is damaged or too large.
     """
 
     def __init__(
@@ -37,7 +37,7 @@ class Unpacking(io.RawIOBase):
         n_bytes: int,
         fault: Callable[[str], Exception],
     ):
-        """Begin.
+        """Start decompressing a file.
 
         Parameters
         ----------
@@ -55,17 +55,17 @@ class Unpacking(io.RawIOBase):
         self._n_unpacked = 0
 
     def readable(self) -> bool:
-        """It is."""
+        """Return True."""
         return True
 
     def readinto(self, buffer: bytearray | memoryview) -> int:  # type: ignore[override]
-        """Fill the buffer, or as much of it as is left."""
+        """Read up to a buffer's size, and return the number of bytes."""
         part = self._next(len(buffer))
         buffer[: len(part)] = part
         return len(part)
 
     def readall(self) -> bytes:
-        """All that is left."""
+        """Return the rest of the content."""
         parts = []
         while part := self._next(_CHUNK):
             parts.append(part)
@@ -94,9 +94,9 @@ class Unpacking(io.RawIOBase):
 
 
 class _Xz:
-    """The content of an xz file of one or more parts without padding.
+    """Content of an xz file of one or more streams without padding.
 
-    Memory is limited, unlike that of `lzma.open`.
+    Unlike `lzma.open`, it limits memory.
     """
 
     def __init__(self, packed: io.BufferedReader):

@@ -1,4 +1,4 @@
-"""Files that a pattern names, also where folders have links to themselves."""
+"""Glob patterns, safe for folders that contain links to themselves."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from nvcore.errors import InputError
 
 ANY_DEPTH: Final = "**"
 MOST_FOLDERS: Final = 100_000
-"""That ``**`` may stand for; links between folders can make any number of ways to them."""
+"""Limit of folders that match ``**``, as links can create any number of paths to them."""
 
 
 def matching(pattern: str, folder: Path) -> list[str]:
-    """What a pattern names, as `glob.glob` finds it from a folder on, each once, sorted.
+    """Return the sorted paths that match a glob pattern below a folder, each once.
 
-    Links to folders are followed, except back to a folder that the path has come through.
+    Symbolic links to folders are followed unless they lead back to a folder above on the path.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def matching(pattern: str, folder: Path) -> list[str]:
 
 
 def _folders_below(folder: str, name: str) -> Iterator[str]:
-    """The folder and all below it, by their names; hidden ones are passed over."""
+    """Yield the names of a folder and of all folders below it, except hidden ones."""
     join = os.path.join
     ways: list[tuple[str, str, frozenset[str]]] = [(folder, name, frozenset())]
     while ways:
@@ -66,6 +66,6 @@ def _folders_below(folder: str, name: str) -> Iterator[str]:
         try:
             with os.scandir(folder) as entries:
                 inner = [e.name for e in entries if not e.name.startswith(".") and e.is_dir()]
-        except OSError:  # as glob does: what may not be looked into holds nothing
+        except OSError:  # like glob, treat an unreadable folder as empty
             continue
         ways += ((join(folder, entry), join(name, entry), above | {real}) for entry in inner)

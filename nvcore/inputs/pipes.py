@@ -1,7 +1,7 @@
-"""Pipes as inputs: named ones, and those of a shell's ``<(zcat truth.csv.gz)``.
+"""Pipes as inputs: named pipes, and those of a shell's ``<(zcat truth.csv.gz)``.
 
-Files are read more than once: to recognise the format, for their hashes, by the reader. What comes
-through a pipe is kept for that, as long as `pipes_kept` says.
+Files are read more than once: to recognise the format, for their hashes, by the reader. Within
+`pipes_kept`, the content of pipes is therefore kept.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class _PipeContents:
             return self._paths[identity]
 
     def _read(self, pipe: Path) -> Path:
-        # without a name, where it can be opened by its number: a process that is killed leaves none
+        # without a name if it can be opened by number, so that a killed process leaves no file
         has_numbers = Path("/proc/self/fd").is_dir()
         content: Any = (
             tempfile.TemporaryFile()  # noqa: SIM115  # closed later
@@ -67,9 +67,10 @@ _contents: ContextVar[_PipeContents | None] = ContextVar("pipes", default=None)
 
 @contextmanager
 def pipes_kept() -> Iterator[None]:
-    """Within it, a pipe is read once, and then is like a file; inner ones change nothing.
+    """Keep the content of pipes in this context, so that they can be read again like files.
 
-    Threads that are started within it know of it only if they run in a copy of its context.
+    Nested contexts share the outer one. A thread shares it only if it runs in a copy of the
+    caller's `contextvars` context.
     """
     if _contents.get() is not None:
         yield
@@ -83,24 +84,24 @@ def pipes_kept() -> Iterator[None]:
 
 
 def is_pipe(path: Path) -> bool:
-    """Whether what the path names can be read in this run alone: a pipe, or what a shell opened."""
+    """Whether the path can be read only in this run: a pipe, or a file that a shell opened."""
     if path.as_posix().startswith(_OF_THIS_RUN):
         return True
     try:
         return path.is_fifo()
-    except OSError:  # of a name that is too long, or in a folder that may not be looked into
+    except OSError:  # a name that is too long, or an unreadable folder
         return False
 
 
 def open_stored(path: Path) -> BufferedReader:
-    """A file as it is, or what came through a pipe, from its beginning.
+    """Open a file without decompressing it, or the kept content of a pipe.
 
     Raises
     ------
     OSError
         If it cannot be opened.
     InputError
-        If it is a pipe, and not within `pipes_kept`; or if too much comes through it.
+        If it is a pipe outside `pipes_kept`, or its content is too large.
     """
     if not path.is_fifo():
         return path.open("rb")

@@ -1,4 +1,4 @@
-"""What a person probably means, or needs: proposed, never taken without a word."""
+"""Suggestions for inputs: usual sizes and formats, which the user has to confirm."""
 
 from __future__ import annotations
 
@@ -17,11 +17,10 @@ KITTI_SIZES: Final = ((1242, 375), (1241, 376), (1238, 374), (1224, 370))
 
 @dataclass(frozen=True)
 class UsualInputs:
-    """What most recordings in a format have, and which other sizes (px) there are.
+    """Usual picture size (px) and frame rate (1/s) of recordings in a format.
 
-    Without a frame rate (1/s) they are single pictures; `others` is empty where all have the size.
-    `note` says where the size is from if it is
-    not the usual one.
+    The frame rate is None for single pictures. `others` lists other sizes, if there are any.
+    `note` names the source of the size if it is not the usual one.
     """
 
     size: tuple[int, int]
@@ -42,9 +41,9 @@ USUAL_INPUTS: Final = {
 
 
 def looks_like(path: Path) -> tuple[Format, Role] | None:
-    """The format of annotations that a file or folder is in, and what it holds; None: none.
+    """Detect the annotation format and role of a file or folder, or return None.
 
-    What may be both is taken for ground truth.
+    Ground truth takes precedence if both roles are possible.
     """
     for role in BOTH_ROLES:
         try:

@@ -20,11 +20,11 @@ from nvcore.settings import is_chosen
 from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
 
 MOST_SIGNS: Final = 1000
-"""Of a recording's name: names are shown, and become names of files."""
+"""Longest name of a recording, since names are shown and used as file names."""
 SINGLE: Final = 2
-"""Most frames of a recording that is rather a picture or two ..."""
+"""Largest number of frames of a recording that is rather single pictures."""
 MIN_SINGLE: Final = 5
-"""... and recordings from which on it is no chance that more than half are so."""
+"""Number of recordings from which on it is no coincidence that most are single pictures."""
 MAX_GAPS: Final = 0.1
 """Share of steps between label files up to which longer ones are gaps."""
 NO_BOX: Final = (
@@ -36,7 +36,7 @@ NO_BOX_STEPS: Final = (Step(Remedy.CLASSES), Step(Remedy.FRAMES))
 
 
 def check_names(reading: Reading) -> None:
-    """Refuse names of recordings that nobody can have meant.
+    """Refuse names of recordings that cannot be intended.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def check_names(reading: Reading) -> None:
 
 
 def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding]:
-    """Sizes and frame rates that were given although the data say something else."""
+    """Report given sizes and frame rates that contradict the data."""
     stated = truth.recordings.set_index("name").reindex(recordings["name"])
     findings = []
     for columns, quantity in ((["width", "height"], "image size"), (["fps"], "frame rate")):
@@ -78,7 +78,7 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
 
 
 def is_missing(session: Session, path: str) -> bool:
-    """Whether there is nothing at a path that a session names, and no folder with such names."""
+    """Whether a session's path does not exist, or the folder of its pattern does not."""
     place = session.folder / path
     # os.path: Path.exists raises for names that no file can have
     if glob.has_magic(place.name) and not os.path.exists(place):  # noqa: PTH110
@@ -87,7 +87,7 @@ def is_missing(session: Session, path: str) -> bool:
 
 
 def missing_pictures(session: Session, names: Sequence[str]) -> list[Finding]:
-    """Pictures that the session names for a recording and that are not there."""
+    """Report missing pictures that the session names for recordings."""
     missing = [
         (path, f"recording {name}")
         for name, entry in session.entries(list(names)).items()
@@ -107,12 +107,12 @@ def missing_pictures(session: Session, names: Sequence[str]) -> list[Finding]:
 
 
 def single_frames(truth: Reading, names: Sequence[str], n_frames: np.ndarray) -> list[Finding]:
-    """Many recordings of one or two frames, as names of pictures give that are misunderstood.
+    """Report many recordings of one or two frames, a sign of misinterpreted picture names.
 
     Parameters
     ----------
     names, n_frames
-        Of the recordings, and how many frames of each are evaluated, int64, shape (n,).
+        Names of the recordings and their numbers of evaluated frames, int64, shape (n,).
     """
     if truth.named is None or len(names) < MIN_SINGLE:
         return []
@@ -144,12 +144,12 @@ def single_frames(truth: Reading, names: Sequence[str], n_frames: np.ndarray) ->
 
 
 def missing_label_files(names: Sequence[str], frames: Sequence[np.ndarray]) -> list[Finding]:
-    """Gaps between label files whose frame numbers rise in equal steps everywhere else.
+    """Report gaps between label files whose frame numbers otherwise rise in equal steps.
 
     Parameters
     ----------
     names, frames
-        Of the recordings, and the evaluated frames of each.
+        Names of the recordings, and the evaluated frames of each.
     """
     gaps = []
     for name, numbers in zip(names, frames, strict=True):
@@ -179,12 +179,12 @@ def missing_label_files(names: Sequence[str], frames: Sequence[np.ndarray]) -> l
 
 
 def check_listed(session: Session, truth: Reading) -> None:
-    """Refuse a table of recordings with one that has neither ground truth nor evaluated frames.
+    """Refuse a recording in a table that has neither ground truth nor evaluated frames.
 
     Raises
     ------
     InputError
-        With the line.
+        If there is one, with the line.
     """
     table = session.recordings_file
     if table is None or table.line_of is None or session.frames is not None:
@@ -197,7 +197,7 @@ def check_listed(session: Session, truth: Reading) -> None:
 
 
 def no_such_recording(name: str, names: Sequence[str]) -> str:
-    """Why a table of recordings cannot be used that has one which the ground truth lacks."""
+    """Explain, for an error, that the ground truth lacks a recording of a table."""
     known = f"its recordings are {listed(names, most=MOST_NAMED)}"
     return (
         f"there is no recording {name!r} in the ground truth; "
@@ -209,10 +209,10 @@ def no_such_recording(name: str, names: Sequence[str]) -> str:
 def describe_recordings(
     session: Session, chosen: Session, truth: Reading
 ) -> tuple[pd.DataFrame, list[bool]]:
-    """Name, width, height, fps, horizon, context, speed_kmh, tags, unit of recordings.
+    """Make the table of recordings: name, width, height, fps, horizon, context, and so on.
 
-    And whether each is one of those that `chosen` compares. The others are left out later: where a
-    size or frame rate of theirs is unknown, it is 1.
+    Also return whether `chosen` compares each recording. The others are left out later, so their
+    size or frame rate is 1 if it is unknown.
 
     Raises
     ------
@@ -252,7 +252,7 @@ def describe_recordings(
 
 
 def _check_known(table: pd.DataFrame, entries: Collection[str]) -> None:
-    """Raise one error that names everything unknown of the first incomplete recording.
+    """Raise one error that names all unknown facts of the first incomplete recording.
 
     Parameters
     ----------

@@ -1,13 +1,13 @@
-"""A table of the recordings as CSV: what the data do not say of each.
+"""CSV table of the recordings, with facts that the data lack.
 
     recording,width,height,fps,context,speed_kmh,horizon,tags,pictures
     night_01,640,480,20,rural,80,236,night;rain,night_01.mp4
 
-Columns may stand in any order; all but `recording` may be missing, and their cells empty. Tags are
-separated by semicolons. Paths of pictures start from the folder of the file; first_picture is the
-number of the frame that the first of them shows. A title is what the recording is called in place
-of its name in the data, a unit what it is part of (a drive, a route, a car). Columns are separated
-by commas, semicolons (with tags in quotes; a comma may then be the decimal sign) or tabs.
+Columns may be in any order. All but `recording` may be missing or have empty cells. Tags are
+separated by semicolons. Paths of pictures are relative to the folder of the file. first_picture is
+the frame number of the first picture. A title replaces the recording's name in the data. A unit is
+a drive, a route or a car that it belongs to. Columns are separated by commas, tabs or semicolons
+(with tags in quotes, and optionally a decimal comma).
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ from nvcore.wording import did_you_mean
 
 NAME: Final = "recording"
 MAX_BYTES: Final = 16 << 20
-"""Tens of thousands of recordings."""
+"""Size of tens of thousands of recordings."""
 NUMBERS: Final = ("width", "height", "fps", "speed_kmh", "horizon", "first_picture")
 COLUMNS: Final = (NAME, *NUMBERS, "context", "tags", "pictures", "title", "unit")
-"""What the file may hold."""
+"""Columns that the file may have."""
 
 
 def with_recordings_file(session: Session, *, goes_first: bool = False) -> Session:
-    """The session with the table of recordings that it names read into its `recordings`.
+    """Read the table of recordings that the session names into its `recordings`.
 
     Parameters
     ----------
     goes_first
-        Whether the table goes before what the session itself says of a recording.
+        Whether the table takes precedence over the session's own facts about a recording.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def with_recordings_file(session: Session, *, goes_first: bool = False) -> Sessi
 
 
 def _filled(entry: RecordingEntry, other: RecordingEntry) -> RecordingEntry:
-    """The entry with what it does not say taken from the other."""
+    """Fill the missing fields of an entry from another one."""
     missing = {
         spec.name: getattr(other, spec.name)
         for spec in fields(RecordingEntry)
@@ -75,19 +75,19 @@ def _filled(entry: RecordingEntry, other: RecordingEntry) -> RecordingEntry:
 
 
 def read_recordings_file(path: Path, name: str) -> dict[str, tuple[int, RecordingEntry]]:
-    """Line and content of each recording, by its name; paths of pictures as of `name`.
+    """Read the line and the entry of each recording, by its name.
 
     Parameters
     ----------
     path
         The file.
     name
-        What it is called in errors; paths of its pictures start from there.
+        Name of the file in errors. Paths of pictures are relative to its folder.
 
     Raises
     ------
     InputError
-        If it cannot be used; with the line.
+        If the file cannot be used, with the line.
     """
     file = SourceFile(path, name)
     if file.is_larger_than(MAX_BYTES):
@@ -119,7 +119,7 @@ def read_recordings_file(path: Path, name: str) -> dict[str, tuple[int, Recordin
 
 
 def _texts(table: TextTable, row: int, file: PurePosixPath) -> dict[str, Any]:
-    """What the cells of a row that are no numbers say, by their columns; nothing of empty ones."""
+    """Parse the cells of a row that are not numbers, by column, without empty ones."""
     columns = [of for of in ("context", "tags", "pictures", "title", "unit") if of in table]
     values: dict[str, Any] = {of: text for of in columns if (text := table.fields[of][row])}
     if "tags" in values:

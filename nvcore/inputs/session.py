@@ -1,4 +1,4 @@
-"""What one comparison consists of: inputs, facts that they lack, settings."""
+"""Session: the inputs of one comparison, facts that they lack, and settings."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role
 
     class KeysOfSubjects:
-        """Has the fields that subjects add, by name."""
+        """Base of classes with fields that subjects add, by name."""
 
         def __getattr__(self, name: str) -> Any: ...
 
@@ -48,13 +48,13 @@ MAX_OFFSET_FRAMES: Final = 1_000_000
 _MAX_FRAME: Final = 2**53
 """Frame numbers are exact in every table up to here."""
 GREATEST_SCALE: Final = 100.0
-"""Of `visible_map`: pixels of the visible picture in one of the recording."""
+"""Limit of the scale in `visible_map`: visible pixels per pixel of the recording."""
 GREATEST_OFFSET_PX: Final = 100_000.0
-"""Of `visible_map`."""
+"""Limit of the offset in `visible_map`."""
 TABLES_OF_SUBJECTS: Final[Mapping[str, type]] = {
     name: kind for of in contributed("session_tables") for name, kind in get_type_hints(of).items()
 }
-"""What the tables of a session that subjects add hold, by their names."""
+"""Types of the session tables that subjects add, by name."""
 SYSTEM_KEYS_OF_SUBJECTS: Final = tuple(
     name for of in contributed("system_keys") for name in get_type_hints(of)
 )
@@ -63,17 +63,16 @@ SYSTEM_KEYS_OF_SUBJECTS: Final = tuple(
 
 @dataclass(frozen=True)
 class RecordingEntry(KeysOfSubjects):
-    """A ``[[recording]]`` of a session, with what subjects add to it; None: as in the data.
+    """A ``[[recording]]`` of a session, with fields of subjects. None: as in the data.
 
-    `pictures` is a video, a folder or an archive, `first_picture` the number of the frame that
-    its first picture shows. `visible` are pictures of visible light beside the `pictures` of
-    another camera, and `visible_map` (sx, sy, dx, dy) says where these show what the recording
-    does: a point (x, y) of it, px, lies at (sx x + dx, sy y + dy) of them; None: by the two sizes.
-    `context` is that of the traffic, from 0 (urban) to 1 (rural),
-    `speed_kmh` the speed of the car, and `speed` a CSV of it over time
-    (`nvcore.inputs.speed`). `tags` are words by which recordings can be chosen, such as
-    "night". `title` is what it is called in place of its name in the data. Recordings of one
-    `unit` (a drive, a route, a car) are not independent: tests and intervals take them as one.
+    `pictures` is a video, a folder or an archive. `first_picture` is the frame number of its
+    first picture. `visible` are pictures of visible light that accompany the `pictures` of
+    another camera. `visible_map` (sx, sy, dx, dy) maps a point (x, y) of the recording, px, to
+    (sx x + dx, sy y + dy) in `visible`; None: by the ratio of the sizes. `context` is the traffic
+    context, from 0 (urban) to 1 (rural). `speed_kmh` is the speed of the car, and `speed` a CSV
+    file of it over time (`nvcore.inputs.speed`). `tags` are words to choose recordings by, such
+    as "night". `title` replaces the name in the data. Recordings of one `unit` (a drive, a route,
+    a car) are not independent, so tests and intervals treat them as one.
     """
 
     name: str
@@ -150,19 +149,19 @@ class RecordingsFile:
 
 @dataclass(frozen=True)
 class Source:
-    """Where ground truth or a system's detections come from, and how to read them.
+    """Paths of ground truth or of a system's detections, and options to read them.
 
     Attributes
     ----------
     path
-        Files, folders or globs; a single one may be given by itself.
+        Files, folders or globs. A single one may be a plain text.
     format
-        Name of a format; None: recognised by the content.
+        Name of a format. None: detected from the content.
     classes, frame_base, box_base, frame_names
         See `nvcore.inputs.readers.base.ReadOptions`.
     boxes
-        What the four numbers of a box are, such as ``corners`` or ``centres-yx-shares``
-        (`nvcore.inputs.box_layouts`); None: as the format has it.
+        Meaning of the four numbers of a box, such as ``corners`` or ``centres-yx-shares``
+        (`nvcore.inputs.box_layouts`). None: as in the format.
     """
 
     path: tuple[str, ...] | str
@@ -198,24 +197,24 @@ class Source:
 
 @dataclass(frozen=True)
 class SystemSource(SystemKeysOfSubjects, Source):
-    """A system's detections, its threshold, corrections applied to its boxes; what subjects add.
+    """A system's detections, threshold and corrections of boxes, with fields of subjects.
 
     Attributes
     ----------
     name
-        The system's name; None: taken from the path.
+        The system's name. None: taken from the path.
     threshold
-        Score threshold; None: every detection counts.
+        Score threshold. None: every detection counts.
     frame_step
-        By which frame numbers are multiplied, where the system counts at another rate; rounded.
+        Factor of frame numbers, if the system counts at another rate. The product is rounded.
     offset_frames
-        Added to the frame numbers, after that.
+        Number added to the frame numbers after `frame_step` is applied.
     offset_px
-        Added to x and y, after scaling.
+        Numbers added to x and y after scaling.
     scale
-        By which x and w, and y and h are multiplied.
+        Factor of x and w, and factor of y and h.
     provenance
-        A record of how they were made (`nvcore.dataset.provenance`); None: nothing is known.
+        File on how the detections were made (`nvcore.dataset.provenance`). None: unknown.
     """
 
     name: str | None = None
@@ -247,28 +246,28 @@ class SystemSource(SystemKeysOfSubjects, Source):
 
 @dataclass(frozen=True)
 class Session(TablesOfSubjects, Settings):
-    """A comparison to be made: the inputs with what subjects add, and how they are compared.
+    """Inputs and settings of a comparison, with fields of subjects.
 
     Attributes
     ----------
     folder
-        What relative paths start from.
+        Base of relative paths.
     truth, systems
         The inputs.
     recordings
         Facts by recording.
     recordings_file
-        A table with more of them; once it has been read they are in `recordings`.
+        Table with more facts. Reading it moves them to `recordings`.
     size, fps, frames
         Facts for all recordings: (width, height) px, frames per second, frame list.
     hashes
-        sha256 of each source when the session was written, by ``truth`` or the system's name;
-        checked when it is loaded.
+        SHA-256 of each source when the session was written, by ``truth`` or the system's name.
+        Loading the session checks them.
     pipes
-        Paths that were pipes when the session was written: what came through them is gone.
+        Paths that were pipes when the session was written, so that their content is lost.
     codes_file
-        A CSV of coded intervals (`nvcore.inputs.codes`); once it has been read they are in `codes`,
-        and it is None.
+        CSV file of coded intervals (`nvcore.inputs.codes`). Reading it moves them to `codes`, and
+        sets it to None.
     x, y, params, protocol, only_tags, only, objects, published, accept, codes
         See `nvcore.settings.Settings`.
     """
@@ -297,7 +296,7 @@ class Session(TablesOfSubjects, Settings):
             expect(names.count(name) == 1, message)
 
     def paths(self) -> Iterator[str]:
-        """What it names of files still to be read, as they are written."""
+        """Yield the paths of files still to be read, as they are written."""
         if self.recordings_file is not None and self.has_unread_recordings:
             yield self.recordings_file.path
         if self.codes_file is not None:
@@ -313,12 +312,12 @@ class Session(TablesOfSubjects, Settings):
 
     @property
     def of_all(self) -> Session:
-        """The session with all recordings compared."""
+        """Return the session with all recordings compared."""
         return replace(self, only_tags=(), only=()) if self.only_tags or self.only else self
 
     @property
     def as_titled(self) -> Session:
-        """The session with recordings named as they are called, not as in the data."""
+        """Return the session with recordings named by their titles, not as in the data."""
         entries = [
             replace(entry, name=entry.title or entry.name, title=None) for entry in self.recordings
         ]
@@ -331,7 +330,7 @@ class Session(TablesOfSubjects, Settings):
         *,
         of: tuple[Sequence[str], Sequence[str]],
     ) -> Session:
-        """See `Settings.renamed`; also of the sources, the titles and the choice of recordings."""
+        """Rename systems and recordings (see `Settings.renamed`), in sources and titles, too."""
         own_systems, own_recordings = of
         entries = self.entries(own_recordings)
         for name in own_recordings:
@@ -347,12 +346,12 @@ class Session(TablesOfSubjects, Settings):
         )
 
     def choosing_from(self, titles: Collection[str]) -> Session:
-        """The session with recordings chosen by title where it chooses them as in the data.
+        """Return the session with recordings chosen by title, not by their name in the data.
 
         Parameters
         ----------
         titles
-            What all recordings are called. A name that is a title means that recording.
+            Titles of all recordings. A name that equals a title means that recording.
         """
         title_of = {entry.name: entry.title for entry in self.recordings if entry.title in titles}
 
@@ -370,23 +369,23 @@ class Session(TablesOfSubjects, Settings):
 
     @property
     def has_unread_recordings(self) -> bool:
-        """Whether it names a table of recordings that has not been read."""
+        """Whether the session names a table of recordings that has not been read."""
         return self.recordings_file is not None and self.recordings_file.line_of is None
 
     @property
     def thresholds(self) -> tuple[float | None, ...]:
-        """Score threshold of each system, in their order; None: every detection counts."""
+        """Score threshold of each system, in order. None: every detection counts."""
         return tuple(system.threshold for system in self.systems)
 
     @property
     def sources(self) -> tuple[tuple[Source, Role], ...]:
-        """Truth and systems, each with what it holds."""
+        """Truth and systems, each with its role."""
         return (self.truth, "truth"), *((system, "detections") for system in self.systems)
 
     def with_paths(self, rename: Callable[[str], str], *, folder: Path) -> Session:
-        """The session in another folder, each of its paths renamed; ranges of frames stay.
+        """Move the session to another folder, renaming each of its paths.
 
-        A table of recordings that was read is no longer named: `recordings` hold it.
+        A table of recordings that was read is no longer named, since `recordings` hold it.
         """
         table = self.recordings_file if self.has_unread_recordings else None
 
@@ -412,19 +411,19 @@ class Session(TablesOfSubjects, Settings):
         )
 
     def entries(self, names: Sequence[str]) -> dict[str, RecordingEntry]:
-        """The `recordings` by name; a single one is about the data's only recording.
+        """Return `recordings` by name. A single entry applies to the data's only recording.
 
         Parameters
         ----------
         names
-            The data's recordings, by their titles where they have some.
+            Titles of the data's recordings, or names of those without a title.
         """
         known = frozenset(names)
         entries = {
             entry.title if entry.title in known and entry.title is not None else entry.name: entry
             for entry in self.recordings
         }
-        if not known.issuperset(entries):  # a Mac writes accents otherwise
+        if not known.issuperset(entries):  # macOS decomposes accents
             as_known = {composed(name): name for name in names}
             entries = {
                 name if name in known else as_known.get(composed(name), name): entry
@@ -437,7 +436,7 @@ class Session(TablesOfSubjects, Settings):
 
     @property
     def common_size(self) -> tuple[int, int] | None:
-        """The size of all pictures, where the session gives a single one."""
+        """Size of all pictures, if the session gives a single one."""
         if self.size is not None:
             return self.size
         sizes = {(recording.width, recording.height) for recording in self.recordings}

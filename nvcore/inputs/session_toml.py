@@ -1,4 +1,4 @@
-"""One comparison, one file: a `Session` as TOML, read and written.
+"""Read and write a `Session` as TOML.
 
 docs/formats.md lists the keys, each with an example. Subjects add theirs
 (`nvcore.driver.inputs.session`). Paths are relative to the session file. A session written by the
@@ -43,7 +43,7 @@ from nvcore.settings import operating_point
 _T = TypeVar("_T")
 
 MAX_BYTES: Final = 16 << 20
-"""With the hashes of a hundred thousand inputs."""
+"""Size of a session with the hashes of a hundred thousand inputs."""
 MOST_SYSTEMS: Final = 1000
 _TYPES: Final[Mapping[str, Mapping[str, Any]]] = {
     "recordings": {"path": str},
@@ -61,7 +61,7 @@ _TYPES: Final[Mapping[str, Mapping[str, Any]]] = {
     "codes": {"path": str},
     "written": {"sha256": Mapping[str, str], "pipes": tuple[str, ...]},
 }
-"""Types of the keys of tables that are no dataclass."""
+"""Types of the keys of tables that are not dataclasses."""
 _FIELDS: Final = {"tags": "only_tags", "recordings": "only"}
 """Fields of a session for keys of [compare] with another name."""
 _PARTS: Final = ("truth", "system", "recording", "parameters", "protocol", "published", "code")
@@ -79,12 +79,12 @@ def read_session(path: str | Path, *, needs_system: bool = True) -> Session:
     Parameters
     ----------
     needs_system
-        Whether one that names no system is refused: a detector may be about to make the first.
+        Whether to refuse a session without systems. A detector may be about to add the first.
 
     Raises
     ------
     SessionError
-        If it cannot be opened, is not TOML, or says something that cannot be done; with the key.
+        If it cannot be opened, is not TOML, or has an invalid value, with the key.
     """
     path = Path(path)
     try:
@@ -217,10 +217,10 @@ def _tables(content: dict[str, Any], key: str) -> list[dict[str, Any]]:
 
 
 def write_session(session: Session, *, version: str, fingerprint: str) -> str:
-    """The session as TOML text; reading it back gives the same comparison.
+    """Serialize the session as TOML that gives the same comparison when it is read.
 
-    Paths are written absolute, so that the file means the same wherever it lies. Those of pipes,
-    which cannot be read again, are named as such.
+    Paths are absolute, so that the file can be moved. Pipes cannot be read again, so the file
+    lists them.
     """
     folder = session.folder
     session = session.with_paths(lambda path: _absolute(path, folder), folder=folder)
@@ -264,7 +264,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
 
 
 def _stated(part: Any, *first: str) -> dict[str, Any]:
-    """Return the fields of a part that are not as by default, those named first before others."""
+    """Return the fields of a part that differ from the default, with `first` before others."""
     default = {spec.name: spec.default for spec in fields(part)}
     values = {name: getattr(part, name) for name in dict.fromkeys([*first, *default])}
     table = {name: value for name, value in values.items() if value != default[name]}

@@ -1,12 +1,12 @@
-"""The car's speed over the time of a recording: a CSV file that a session names for it.
+"""Speed of the car over time, from a CSV file for a recording.
 
     time_s,speed_kmh
     0.00,48.2
     0.10,48.0
 
 Times are seconds since the recording's first evaluated frame, as `time_s` in all tables and on the
-axis of the Timeline. Between two readings the speed is on the line through them; before the first,
-after the last, and between two that are far apart nothing is known of it.
+axis of the Timeline. The speed is interpolated linearly between readings. It is unknown before the
+first, after the last, and between two readings that are far apart.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ from nvcore.schema import SAME_S
 from nvcore.wording import count_text
 
 SUBJECT: Final = "speed"
-"""What the files are called in `Dataset.inputs`."""
+"""Name of the files in `Dataset.inputs`."""
 LONGEST_GAP_S: Final = 5.0
-"""Readings farther apart say nothing of the speed between them (ours): cars stop within that."""
+"""Longest gap for interpolation, since cars can stop within it. (Our choice.)"""
 FASTEST_KMH: Final = 400.0
-"""No car on a road is faster: such readings are in another unit, or broken."""
+"""Largest plausible speed. Higher readings are in another unit, or broken."""
 
 
 def with_speeds(dataset: Dataset, session: Session) -> Dataset:
-    """The dataset with the speeds of the series that its session names, frame by frame.
+    """Return the dataset with the speed in each frame, from the files that its session names.
 
-    A series goes before the one speed that a recording states. In frames of which its readings say
-    nothing that one counts, else the speed that is assumed.
+    A file takes precedence over the recording's single speed. Frames without a speed in the file
+    use the single speed, else the assumed one.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def with_speeds(dataset: Dataset, session: Session) -> Dataset:
 
 
 def _interpolated(file: Path, path: str, name: str, time_s: np.ndarray) -> np.ndarray:
-    """Speed at these times of a recording, km/h; NaN where the readings do not say it."""
+    """Interpolate a recording's speed (km/h) at these times, NaN if readings are too far away."""
     zero = "the first evaluated frame"
     at_s, readings = read_series(file, "speed_kmh", what="speeds", high=FASTEST_KMH, zero=zero)
     if not len(at_s):
@@ -110,4 +110,4 @@ SPEEDS: Final = Input(
     lambda session: any(entry.speed is not None for entry in session.recordings),
     with_speeds,
 )
-"""What a session says of the car's speed over time."""
+"""Files of a session with the car's speed over time."""

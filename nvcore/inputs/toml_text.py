@@ -1,4 +1,4 @@
-"""TOML from users, which may be made to break its parser."""
+"""Parse TOML from users, guarding the parser against malicious input."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Final
 from nvcore.errors import InputError
 
 _MOST_DOTS: Final = 20_000
-"""In a line: each dot of a key takes as long as all before it."""
+"""Largest number of dots in a line, since parsing a key takes quadratic time."""
 
 
 def parse_toml(
@@ -20,9 +20,9 @@ def parse_toml(
     Parameters
     ----------
     file
-        Its name, for errors.
+        Name of the file, for errors.
     error
-        What is raised.
+        Class of the error to raise.
 
     Raises
     ------

@@ -55,7 +55,7 @@ FORMATS: Final[tuple[Format, ...]] = (
     BOXMOT,
     YOLO,
 )
-"""All formats, in the order in which they are tried on a content."""
+"""All formats, in the order in which content is tested for them."""
 
 _HOLDS: Final[dict[Role, str]] = {
     "truth": "ground truth",
@@ -67,11 +67,11 @@ _TABLE: Final[dict[Role, str]] = {
     "truth": "frame,x,y,w,h,track,class",
     "detections": "frame,x,y,w,h,score,class",
 }
-"""Header of the plain CSV that such files can be converted to."""
+"""Header of plain CSV for a role, which users can convert other files to."""
 
 
 def _read_nothing(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """No box in any recording of the truth."""
+    """Return a reading without boxes for the recordings of the truth."""
     title = "empty file" if len(files) == 1 else "empty files"
     return Reading(
         reading_boxes(0), recordings_table(options.recordings), f"{title}: no detections"
@@ -86,25 +86,25 @@ NOTHING: Final = Format(
     recognise=lambda _name, _head, _role: False,
     read=_read_nothing,
 )
-"""Empty files of a system that detected nothing, whatever their format; see `holds_nothing`.
+"""Empty files of a system that detected nothing, in any format (see `holds_nothing`).
 
-Not in `FORMATS`: it has no name for ``--format``.
+It is not in `FORMATS`, since it has no name for ``--format``.
 """
 
 HEAD_BYTES: Final = 65_536
 """Bytes of a file that are read to recognise its format."""
 
 MAX_LOOKS: Final = 50
-"""Files that are tried: with one file per picture, the first ones may be empty."""
+"""Number of files to test. With one file per picture, the first ones may be empty."""
 
 
 def format_named(name: str) -> Format:
-    """The format of a given name.
+    """Return the format of a given name.
 
     Raises
     ------
     UnknownFormatError
-        If there is none.
+        If there is no such format.
     """
     for candidate in FORMATS:
         if candidate.name == name:
@@ -116,7 +116,7 @@ def format_named(name: str) -> Format:
 
 
 def detect_format(files: Sequence[SourceFile], role: Role) -> Format:
-    """The format of some files, recognised by the content of the first that is not empty.
+    """Detect the format of files from the content of the first that is not empty.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def detect_format(files: Sequence[SourceFile], role: Role) -> Format:
     InputError
         If a file cannot be opened.
     """
-    # names of classes beside the labels say nothing of these
+    # files of class names do not tell the format of the labels
     by_use = sorted(files[:MAX_LOOKS], key=lambda file: is_class_file(file.name))
     for file in by_use:
         content = _head(file)
@@ -152,7 +152,7 @@ def detect_format(files: Sequence[SourceFile], role: Role) -> Format:
 
 
 def formats_like(file: SourceFile, role: Role) -> list[Format]:
-    """All formats that the content of a file may be in.
+    """List all formats that the content of a file matches.
 
     Raises
     ------
@@ -164,7 +164,7 @@ def formats_like(file: SourceFile, role: Role) -> list[Format]:
 
 
 def holds_nothing(files: Sequence[SourceFile]) -> bool:
-    """Whether all files are empty, but for white space; False where there is no file.
+    """Whether there are files and all contain only white space.
 
     Raises
     ------
@@ -175,7 +175,7 @@ def holds_nothing(files: Sequence[SourceFile]) -> bool:
 
 
 def _recognised(file: SourceFile, content: bytes, head: str, role: Role) -> str:
-    """What a file is that no format takes in this role; empty: nobody knows."""
+    """Describe a file that no format accepts in this role, or return an empty text."""
     kind = binary_kind(content)
     if kind is not None:
         return f"expected {_HOLDS[role]}, found {kind}"
@@ -198,6 +198,6 @@ def _recognised(file: SourceFile, content: bytes, head: str, role: Role) -> str:
 
 
 def _head(file: SourceFile) -> bytes:
-    """The first `HEAD_BYTES` of a file."""
+    """Read the first `HEAD_BYTES` of a file."""
     with file.open() as stream:
         return stream.read(HEAD_BYTES)

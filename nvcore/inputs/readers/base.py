@@ -1,4 +1,4 @@
-"""What a reader gets and what it returns; shared by all formats."""
+"""Inputs and results of readers, shared by all formats."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from nvcore.schema import READING_DTYPES, conform
 
 Role = Literal["truth", "detections"]
 Numbering = Literal["coco", "list", "mot"]
-"""How files number classes: by COCO's ids, by places in a list of names from 0, as MOT's truth."""
+"""Class numbers in files: COCO's ids, indices of a list of names, or those of MOT's truth."""
 BOTH_ROLES: Final[tuple[Role, ...]] = ("truth", "detections")
 _CHUNK: Final = 1 << 20
 
@@ -37,11 +37,11 @@ class SourceFile:
     Attributes
     ----------
     path
-        Where it lies on this machine.
+        Location on this machine.
     name
-        How it is shown, and what recording and frame names are taken from: the path as the user
-        gave it, or relative to the folder that was given, with ``/`` between its parts. Where the
-        folder was an upload, the name is hostile: it is never joined to a path.
+        Name for display, from which recording and frame are parsed: the path as the user gave it,
+        or relative to the given folder, with ``/`` as separator. The name may come from an upload,
+        so it is not to be trusted and never joined to a path.
     """
 
     path: Path
@@ -49,7 +49,7 @@ class SourceFile:
 
     @contextmanager
     def open(self) -> Iterator[BufferedReader]:
-        """The content as bytes, from its beginning, unpacked; InputError if it cannot be read."""
+        """Open the decompressed content, or raise InputError if it cannot be read."""
         with self.open_stored() as stored:
             kind = packed_by(stored.peek(PACKED_HEAD_BYTES))
             if kind is None:
@@ -60,7 +60,7 @@ class SourceFile:
 
     @contextmanager
     def open_stored(self) -> Iterator[BufferedReader]:
-        """The file as it is stored, packed or not; InputError if it cannot be read."""
+        """Open the file without decompressing it, or raise InputError if it cannot be read."""
         try:
             with open_stored(self.path) as stream:
                 yield stream
@@ -68,7 +68,7 @@ class SourceFile:
             raise InputError(f"cannot be opened ({error.strerror})", file=self.name) from error
 
     def is_larger_than(self, n_bytes: int) -> bool:
-        """Whether the content, unpacked, has more bytes; InputError if it cannot be read."""
+        """Whether the decompressed content has more bytes. InputError if it cannot be read."""
         with self.open() as stream:
             while n_bytes >= 0 and (part := stream.read(_CHUNK)):
                 n_bytes -= len(part)
@@ -77,14 +77,14 @@ class SourceFile:
     def fault(
         self, message: str, line: int | None = None, steps: tuple[Step, ...] = ()
     ) -> FormatError:
-        """The error that refuses the content, as a whole or at a 1-based line; to be raised."""
+        """Return an error about the file or one of its lines (1-based), for the caller to raise."""
         line = int(line) if line else None
         return FormatError(message, file=self.name, line=line, steps=steps)
 
 
 @dataclass(frozen=True)
 class Lines:
-    """Where the rows of a reading stand.
+    """File and line of each row of a reading.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Lines:
 
     @classmethod
     def of(cls, file: SourceFile, line: np.ndarray) -> Lines:
-        """Rows of a single file."""
+        """Return the lines of a single file."""
         return cls((file,), np.zeros(len(line), dtype=np.int64), line)
 
     def __len__(self) -> int:
@@ -110,12 +110,12 @@ class Lines:
         return Lines(self.files, self.file[rows], self.line[rows])
 
     def fault(self, row: int | np.intp, message: str, steps: tuple[Step, ...] = ()) -> FormatError:
-        """The error that refuses a row; to be raised."""
+        """Return an error about a row, for the caller to raise."""
         file: SourceFile = self.files[self.file[row]]
         return file.fault(message, self.line[row], steps)
 
     def refuse(self, is_wrong: np.ndarray, message: Callable[[int], str]) -> None:
-        """Raise FormatError for the first row that is wrong, with what `message` says of it."""
+        """Raise FormatError with `message` for the first wrong row, if there is one."""
         if is_wrong.any():
             row = int(np.argmax(is_wrong))
             raise self.fault(row, message(row))
@@ -123,16 +123,16 @@ class Lines:
     def boxes(
         self, box: Iterable[object], *, keep: np.ndarray | None = None, **columns: object
     ) -> pd.DataFrame:
-        """Boxes table of a reading, of these rows or those that stay.
+        """Make the boxes table of a reading from these rows, or from the kept ones.
 
         Parameters
         ----------
         box
             x, y, w, h, each of shape (n,), px.
         keep
-            Rows that stay, bool, shape (n,); None: all.
+            Rows to keep, bool, shape (n,). None: all.
         **columns
-            What else is known, see `reading_boxes`; also another file or line.
+            Other known columns (see `reading_boxes`), or another file or line.
         """
         columns = {"file": self.file, "line": self.line} | columns
         boxes = reading_boxes(len(self), **dict(zip("xywh", box, strict=True)), **columns)
@@ -150,7 +150,7 @@ class Lines:
         severity: Severity = Severity.WARNING,
         steps: tuple[Step, ...] = (),
     ) -> list[Finding]:
-        """`rows_finding`, with the line and, where given, the row as an example ("class 99")."""
+        """Call `rows_finding` with the line and an optional `example` of a row ("class 99")."""
 
         def place(row: int) -> tuple[str, str]:
             text = "" if example is None else f": {example(row)}"
@@ -162,31 +162,31 @@ class Lines:
 
 
 NO_FRAME: Final = -1
-"""Frame of a system's picture that is none of the truth's."""
+"""Frame number of a system's picture that the truth does not have."""
 
 
 @dataclass(frozen=True)
 class NamedPictures:
-    """The pictures of a list, each with its recording and frame.
+    """Listed pictures with their recordings and frames.
 
     Attributes
     ----------
     table
         Columns recording, frame, name; one row per picture, in the order of the list.
     how
-        How the names were understood: ``numbers``, ``times``, ``order`` or ``scenes``.
+        Interpretation of the names: ``numbers``, ``times``, ``order`` or ``scenes``.
     facts
-        The same in words, for the conversion text.
+        Description of the interpretation, for the conversion text.
     rates
-        Frames per second of recordings, where the names hold times.
+        Frames per second of recordings, if the names contain times.
     strange
-        First name without a number, for which there is no table; -1: none.
+        Index of the first name without a number, if there is no table. -1: none.
     is_joined
         Whether pictures of the truth were found by name.
     empty
-        Further pictures as in `table`, in which nobody is; None: none.
+        Further pictures as in `table`, without boxes. None: none.
     findings
-        What is odd about the list.
+        Oddities of the list.
     """
 
     table: pd.DataFrame
@@ -200,7 +200,7 @@ class NamedPictures:
 
     @property
     def with_empty(self) -> NamedPictures:
-        """The list with the `empty` pictures."""
+        """The list with the `empty` pictures included."""
         if self.empty is None:
             return self
         return replace(
@@ -209,19 +209,19 @@ class NamedPictures:
 
     @property
     def recording(self) -> np.ndarray:
-        """Recording of each picture; object, shape (n,)."""
+        """Recording of each picture, object, shape (n,)."""
         return self.table["recording"].to_numpy(dtype=object)
 
     @property
     def frame(self) -> np.ndarray:
-        """Frame number of each picture, or `NO_FRAME`; int64, shape (n,)."""
+        """Frame number of each picture or `NO_FRAME`, int64, shape (n,)."""
         return self.table["frame"].to_numpy(dtype=np.int64)
 
     @property
     def images(self) -> pd.DataFrame:
         """`Reading.images`, numbered from 1 in the order of recording and frame.
 
-        So results of Caltech and KAIST number the images.
+        Results of Caltech and KAIST use these numbers.
         """
         images = self.with_empty.table.sort_values(["recording", "frame"], ignore_index=True)
         numbered = images.assign(image_id=np.arange(1, len(images) + 1))
@@ -230,38 +230,38 @@ class NamedPictures:
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """What a reader may need to know beside the files.
+    """Options of a reader.
 
     Attributes
     ----------
     role
-        Whether the files hold ground truth or a system's detections.
+        Ground truth or a system's detections.
     objects
-        What the boxes are of.
+        Kind of objects in the boxes.
     classes
-        Class names (or numbers, as text) that count as such objects; None: the format's default.
-        Other classes that could be mistaken for them are ignore regions, the rest is left out;
-        what a reader does with which class is part of its conversion text.
+        Class names (or numbers, as text) that count as such objects. None: the format's default.
+        Other classes that could be mistaken for the objects become ignore regions. The rest is
+        left out. The reader's conversion text says how it treats each class.
     size
-        (width, height) of the pictures in pixels, where given by flag.
+        (width, height) of the pictures in pixels, if a flag gives it.
     frame_base
-        Number of the first frame in the files, where the format does not say: 0 or 1.
+        Number of the first frame in the files, 0 or 1, for formats that do not define it.
     box_base
-        0 or 1: coordinate of the first pixel, where files of one format differ (Pascal VOC).
+        Coordinate of the first pixel, 0 or 1, for a format whose files differ (Pascal VOC).
     recordings
         Names of the recordings of the ground truth, for readers of detections.
     images
         The truth's image list (see `Reading.images`), for results that name images by id.
     categories, numbering
-        Names of classes by their numbers in the files of the other side, and which numbers those
-        are; for files that have no names of their own. Use `names_for`.
+        Names of classes by their numbers in the files of the other side, and the kind of these
+        numbers, for files without names of their own. Use `names_for`.
     frame_names
-        How names of pictures and large numbers are understood: one of
-        `nvcore.inputs.facts.FRAME_NAMES`; None: by what they look like.
+        Interpretation of picture names and large numbers: one of
+        `nvcore.inputs.facts.FRAME_NAMES`, or None to infer it.
     named
         The truth's pictures by name, for systems whose pictures have the same names or times.
     boxes
-        Those of the truth, for what only they can decide.
+        Boxes of the truth, which resolve ambiguities of detections.
     picture_folders
         Folders of pictures that the session names.
     """
@@ -282,60 +282,60 @@ class ReadOptions:
     picture_folders: tuple[Path, ...] = ()
 
     def names_for(self, numbering: Numbering) -> Mapping[str, str]:
-        """The other side's names of classes, if it numbers them so; else none.
+        """Return the other side's names of classes if it uses this numbering, else none.
 
-        Numbers of one kind say nothing about those of another: COCO's begin anywhere.
+        Numbers of different kinds are unrelated. For example, COCO's start anywhere.
         """
         return self.categories if self.numbering == numbering else {}
 
 
 @dataclass(frozen=True)
 class Reading:
-    """What one call of a reader returns.
+    """Result of a reader.
 
     Attributes
     ----------
     boxes
         Columns of `READING_DTYPES`, in file order, in the conventions of docs/formats.md: 0-based
-        continuous pixels, x, y, w, h. `file` counts the files as they were given.
+        continuous pixels, x, y, w, h. `file` is the index of the file.
     recordings
-        One row per recording: name, width, height, fps (NaN where the files do not say).
+        One row per recording: name, width, height, fps (NaN if unknown).
     images
-        Where the format lists its images (and so the evaluated frames): columns recording, frame,
-        image_id, in the order of the file. Else None.
+        Image list of formats that have one: columns recording, frame, image_id, in the order of
+        the file. It defines the evaluated frames. None for other formats.
     annotated
-        Frames with a row of any class, also of those that were left out: columns recording, frame,
-        each pair once. None: those of `boxes`.
+        Frames with a row of any class, even one that was left out: columns recording, frame, each
+        pair once. None: the frames of `boxes`.
     conversion
-        In words, what was converted: "frames kept, pixels from 1-based to 0-based; ...".
+        Description of the conversion: "frames kept, pixels from 1-based to 0-based; ...".
     findings
         Recoverable oddities.
     attributes
-        Columns of `ATTRIBUTE_DTYPES`: texts of boxes of the truth, for the classes of encounters;
+        Columns of `ATTRIBUTE_DTYPES`: texts of the truth's boxes, for the classes of encounters.
         None: there are none.
     labels
-        What the column `label` of `boxes` counts: classes in the words of the objects ("70"), of
-        the boxes that are not ignored.
+        Classes that the column `label` of `boxes` indexes, in the objects' terms ("70"), without
+        those of ignored boxes.
     categories, numbering
-        Names of classes by their numbers, and which numbers those are, for files of the other side
-        that number classes in the same way and have no names.
+        Names of classes by their numbers, and the kind of these numbers, for files of the other
+        side that use the same numbers and have no names.
     classes
-        Numbers of the classes that count, where names in another file said which they are: stated
-        in a session they need that file no more. Else empty.
+        Numbers of the classes that count, if names in another file decided it. A session that
+        states them does not need that file. Otherwise empty.
     left_out
-        What of the files is not used, the most first; `conversion` says it in words.
+        Unused content of the files, the most frequent first. `conversion` describes it.
     layout
-        What the four numbers of a box were taken for: the text of a
+        Meaning of the four numbers of a box: the text of a
         `nvcore.inputs.box_layouts.BoxLayout`.
     is_laid_out
-        Whether that was given and differs from what the format has.
+        Whether the layout was given and differs from the format's.
     has_score_beside
-        Whether the score may stand before the four numbers as well as behind them.
+        Whether the score may be before or after the four numbers.
     usual
-        Fields of `nvcore.inputs.session.Source`, with what is taken where they are not given: so
-        given, they change nothing.
+        Fields of `nvcore.inputs.session.Source` with their defaults for these files. Stating them
+        changes nothing.
     named
-        The pictures by name, where the files name them.
+        Pictures by name, if the files name them.
     """
 
     boxes: pd.DataFrame
@@ -371,17 +371,17 @@ class Format:
     title
         Name for people.
     roles
-        What such files can hold.
+        Roles that files of the format can have.
     suffixes
         File name endings that belong to it, with the dot, lower case.
     recognise
-        (file name, first 64 KiB as text, role) -> whether the content is this format. Formats are
-        tried in the order of the registry; the first match is taken.
+        (file name, first 64 KiB as text, role) -> whether the content is in this format. The first
+        match in the order of the registry is used.
     read
-        The reader. Like every reader it raises FormatError with file and line (or record) of the
-        first thing that the format does not have; MissingFactError for what the files do not say
-        (the size of pictures, the truth's image list); and InputError if a class is unknown, a
-        file's name has no frame number, or two files are of one recording or one frame.
+        The reader. It raises FormatError with file and line (or record) of the first violation of
+        the format, MissingFactError for facts that the files lack (the size of pictures, the
+        truth's image list), and InputError if a class is unknown, a file's name has no frame
+        number, or two files belong to one recording or one frame.
     """
 
     name: str
@@ -403,7 +403,7 @@ def rows_finding(
     severity: Severity = Severity.WARNING,
     steps: tuple[Step, ...] = (),
 ) -> list[Finding]:
-    """One finding about all odd rows, shown by the first of them; none where no row is odd.
+    """Make one finding about all odd rows, with the first as an example, or none.
 
     Parameters
     ----------
@@ -412,9 +412,9 @@ def rows_finding(
     code, message, advice, severity, steps
         See `Finding`.
     role
-        What the files hold.
+        Role of the files.
     place
-        Row -> name of its file, and the row as an example ("line 3: class 99").
+        Function from a row to the name of its file and an example text ("line 3: class 99").
     """
     if not is_odd.any():
         return []
@@ -424,7 +424,7 @@ def rows_finding(
 
 
 def joined_findings(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """Findings of one kind about several files as one: all rows counted, the first file named."""
+    """Merge findings of one kind about several files, adding counts and naming the first file."""
     groups: dict[Finding, list[Finding]] = {}
     for finding in findings:
         groups.setdefault(replace(finding, count=0, file="", example=""), []).append(finding)
@@ -438,24 +438,24 @@ def joined_findings(findings: Iterable[Finding]) -> tuple[Finding, ...]:
 
 
 def warning(code: str, count: int, message: str, advice: str, *, role: str, **more: Any) -> Finding:
-    """A warning about what the files of a role, or of a system, hold; see `Finding`."""
+    """Make a warning about the files of a role or of a system (see `Finding`)."""
     return Finding(Severity.WARNING, code, role, count, message, advice, **more)
 
 
 def reading_boxes(n_rows: int, **columns: object) -> pd.DataFrame:
-    """Boxes table of a reading from the columns that the format has; the rest is unknown."""
+    """Make a boxes table from the columns that the format has, with the rest unknown."""
     return conform(columns, READING_DTYPES, n_rows=n_rows, repeat=np.broadcast_to)
 
 
 def select_boxes(boxes: pd.DataFrame, keep: np.ndarray) -> pd.DataFrame:
-    """The boxes that stay, renumbered; no copy where all do."""
+    """Select boxes and renumber them, without a copy if all are kept."""
     return boxes if keep.all() else boxes[keep].reset_index(drop=True)
 
 
 def best_overlaps(
     boxes: pd.DataFrame, others: pd.DataFrame, on: Sequence[str] = ("recording", "frame")
 ) -> np.ndarray:
-    """Best IoU of each box with the others that are equal in these columns, 0 to 1; shape (n,)."""
+    """Return each box's best IoU with `others` of equal `on` columns, 0 to 1, shape (n,)."""
     here, there = (part[[*on, *"xywh"]].astype({"recording": object}) for part in (boxes, others))
     pairs = here.assign(row=np.arange(len(here))).merge(there, on=[*on], suffixes=("", "_other"))
     across, down = (
@@ -470,28 +470,28 @@ def best_overlaps(
 
 
 def object_array(texts: Iterable[str]) -> np.ndarray:
-    """Texts as an array of object, shape (n,); numpy would make a wide array of text of them."""
+    """Make an object array of texts, shape (n,), where numpy would use fixed-width text."""
     return np.array([*texts, None], dtype=object)[:-1]
 
 
 def annotated_frames(recording: object, frame: np.ndarray) -> pd.DataFrame:
-    """`Reading.annotated` from the recording (one, or of each row) and the frame of all rows."""
+    """Make `Reading.annotated` from recordings (one, or one per row) and frames of rows."""
     pairs = pd.DataFrame({"recording": recording, "frame": frame}, columns=["recording", "frame"])
     return pairs.drop_duplicates(ignore_index=True)
 
 
 def image_list(recordings: Sequence[str], frames: Sequence[np.ndarray]) -> pd.DataFrame:
-    """`Reading.images` of recordings with these frames, which are the ids of their images."""
+    """Make `Reading.images` of recordings with these frames, which serve as image ids."""
     frame = np.concatenate([np.empty(0, dtype=np.int64), *frames])
     recording = np.repeat(object_array(recordings), [len(listed) for listed in frames])
     return pd.DataFrame({"recording": recording, "frame": frame, "image_id": frame})
 
 
 def concat_boxes(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """Boxes of several files in one table; no file gives an empty table with all columns."""
+    """Concatenate boxes of several files. No files give an empty table with all columns."""
     if not tables:
         return reading_boxes(0)
-    # categories of an empty table are of another dtype, and it adds nothing
+    # the categories of an empty table have another dtype
     filled = [table for table in tables if len(table)] or list(tables[:1])
     if len(filled) == 1:
         return filled[0]
@@ -508,14 +508,14 @@ def recordings_table(
     height: object = np.nan,
     fps: object = np.nan,
 ) -> pd.DataFrame:
-    """The recordings of a reading; doubles by name are dropped.
+    """Make a table of recordings, dropping duplicate names.
 
     Parameters
     ----------
     names
         Names of the recordings.
     width, height, fps
-        Of all, or of each; NaN where unknown.
+        One value for all, or one for each; NaN if unknown.
     """
     table = pd.DataFrame(
         {"name": object_array(names), "width": width, "height": height, "fps": fps}
@@ -525,5 +525,5 @@ def recordings_table(
 
 
 def conversion_text(facts: Iterable[str]) -> str:
-    """`Reading.conversion` from its parts, each named once; empty ones are passed over."""
+    """Join the parts of `Reading.conversion`, dropping empty and repeated ones."""
     return "; ".join(dict.fromkeys(fact for fact in facts if fact))

@@ -62,18 +62,18 @@ _SEQUENCE = re.compile(r"V\d+", re.IGNORECASE)
 
 
 def recognise_bbgt(_name: str, head: str, role: Role) -> bool:
-    """Whether the text begins with the bbGt header, or has 10 fields as version 0 has them."""
+    """Whether the text begins with the bbGt header, or has the 10 fields of version 0."""
     has_header = head.removeprefix("\ufeff").startswith(BBGT_HEADER)
     return role == "truth" and (has_header or replace(BBGT_LAYOUT, n_columns=(10,)).fits(head))
 
 
 def read_bbgt(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Read bbGt files, one per frame; a file without boxes is an evaluated frame.
+    """Read bbGt files, one per frame. Files without boxes are evaluated frames, too.
 
-    Boxes are x, y, w, h in pixels already and are kept. `person` counts; `people`, `person?`,
-    `cyclist` and rows with the ignore flag are ignore regions; other labels are left out. The
-    occlusion field is KAIST's level 0, 1, 2, or Caltech's flag, which the visible box makes a
-    level.
+    Boxes are kept, since they already are x, y, w, h in pixels. `person` counts. `people`,
+    `person?`, `cyclist` and rows with the ignore flag are ignore regions. Other labels are left
+    out. The occlusion field is KAIST's level 0, 1, 2, or Caltech's flag, which is converted to a
+    level by the visible box.
     """
     named = listed_frames(files, options)
     table = stacked([read_numbers(frame_file, BBGT_LAYOUT) for frame_file in files])
@@ -112,20 +112,20 @@ def read_bbgt(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 def _occlusion(
     flag: np.ndarray, box: Sequence[np.ndarray], visible: Sequence[np.ndarray]
 ) -> np.ndarray:
-    """Levels 0, 1, 2; a flag of 1 is partial unless the visible box says that it is heavy."""
+    """Return levels 0, 1, 2. The visible box tells whether a flag of 1 is partial or heavy."""
     with np.errstate(invalid="ignore", divide="ignore"):
         share = visible[2] * visible[3] / (box[2] * box[3])
     is_set = np.any([v != 0 for v in visible], axis=0)
-    # Caltech's labelling tool leaves the visible box equal to the box where nothing is visible
+    # Caltech's labelling tool leaves the visible box equal to the box if nothing is visible
     is_whole = np.all([v == b for v, b in zip(visible, box, strict=True)], axis=0)
     is_heavy = is_set & (is_whole | (levels_of_visible_share(share) == 2))
     return levels_of_numbers(np.where((flag == 1) & is_heavy, 2, flag))
 
 
 def recognise_results(_name: str, head: str, role: Role) -> bool:
-    """Whether the rows have 6 numbers, the first of them whole and at least 1.
+    """Whether rows have 6 numbers, of which the first is whole and at least 1.
 
-    Corners (``frame,x1,y1,x2,y2,score``) look the same: ``kitti-detections`` is tried first.
+    Corners (``frame,x1,y1,x2,y2,score``) look the same, so ``kitti-detections`` is tried first.
     """
     n_rows = 50
     return (
@@ -138,10 +138,10 @@ def recognise_results(_name: str, head: str, role: Role) -> bool:
 def read_results(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """Read KAIST results by the truth's image list, Caltech detections by their file names.
 
-    A file that is named by a recording (``set06/V000.txt``) is Caltech's: its frames are 1-based
-    and become the 0-based numbers of the pictures (I00000 is the first), unless
-    `ReadOptions.frame_base` is 0. Any other file is KAIST's: the image number is the 1-based
-    position in the truth's image list. Boxes are x, y, w, h in pixels already.
+    A file that is named after a recording (``set06/V000.txt``) is Caltech's. Its 1-based frames
+    become the 0-based numbers of the pictures (I00000 is the first), unless
+    `ReadOptions.frame_base` is 0. Any other file is KAIST's, whose image number is the 1-based
+    position in the truth's image list. Boxes already are x, y, w, h in pixels.
     """
     parts: list[FilePart] = []
     first_of: dict[str, str] = {}
@@ -174,7 +174,7 @@ def read_results(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 def _by_image_number(
     table: NumberTable, index: np.ndarray, number: int, options: ReadOptions
 ) -> tuple[Reading, str]:
-    """Results of a file by the truth's image list, and how their images are found there."""
+    """Read results by the truth's image list, and describe how their images are found."""
     images = options.images
     if images is None or images.empty:
         raise MissingFactError(
@@ -208,10 +208,10 @@ def _by_image_number(
 
 
 def _sequence_of(name: str, known: tuple[str, ...]) -> str | None:
-    """Recording that a file is named by; None for a file that holds all images."""
+    """Return the recording that a file is named after, or None for a file of all images."""
     path = PurePosixPath(unpacked_name(name))
     parts = (*path.parts[:-1], path.stem)
-    # the file's own name must be part of it: a folder is often called by the data set
+    # the match must include the file's own name, since a folder is often named after the data set
     for start in range(len(parts)):
         recording = known_recording(("/".join(parts[start:]),), known)
         if recording is not None:
@@ -223,11 +223,11 @@ def _sequence_of(name: str, known: tuple[str, ...]) -> str | None:
 
 
 def _positions(index: np.ndarray, images: pd.DataFrame) -> tuple[np.ndarray, str]:
-    """0-based rows of the image list, -1 where an image number is not on it."""
+    """Return 0-based rows of the image list, -1 if an image number is not on it."""
     if not len(index) or index.max() <= len(images):
         position = np.where(index >= 1, index - 1, -1)
         return position, "image number = 1-based position in the truth's image list"
-    # a truth that is a part of the set (the night, say) keeps the ids of the whole
+    # a truth that is a part of the data set (such as the night) keeps the ids of the whole
     ids = pd.to_numeric(images["image_id"], errors="coerce").to_numpy(dtype=float)
     place = pd.Series(np.arange(len(ids)), index=ids).loc[lambda s: ~s.index.duplicated()]
     position = place.reindex((index - 1).astype(float), fill_value=-1).to_numpy()

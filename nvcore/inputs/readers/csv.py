@@ -69,7 +69,7 @@ from nvcore.inputs.readers.parse.text import whole_numbers
 from nvcore.schema import names_as_categories
 
 ParseColumns = Callable[[Sequence[str]], tuple[pd.DataFrame, np.ndarray, bool]]
-"""Wanted columns -> what `nvcore.inputs.readers.csv_columns.read_columns` returns."""
+"""Columns to read -> result of `nvcore.inputs.readers.csv_columns.read_columns`."""
 
 
 @dataclass(frozen=True)
@@ -89,14 +89,14 @@ EXPECTED = (
 
 _CORNER: Final = ("right", "bottom")
 _LAYOUTS: Final = {"right": "corners", "xc": "centres"}
-"""What the four numbers are, by a column that only such boxes have."""
+"""Layout of boxes by a column that only this layout has."""
 MAX_SHARE: Final = 2.0
 """Largest coordinate of centres that are shares of the picture, not pixels."""
 _OF_OTHERS: Final[dict[Role, tuple[str, ...]]] = {
     "truth": ("score", OTHER_SCORE),
     "detections": ("ignore", "attributes", "detectability"),
 }
-"""Columns that are not read in a file of this role."""
+"""Columns that are skipped in files of a role."""
 
 
 def recognise(_name: str, head: str, _role: Role) -> bool:
@@ -111,10 +111,10 @@ def recognise(_name: str, head: str, _role: Role) -> bool:
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Read plain CSV files; a file without a recording column is one recording.
+    """Read plain CSV files. A file without a recording column is one recording.
 
-    Frames and pixels are kept as they are, unless ``options.frame_base`` is given: then the first
-    frame becomes 0.
+    Frames and pixels are kept as they are, except that frames start at 0 if
+    ``options.frame_base`` is given.
     """
     tables = []
     for file in files:
@@ -131,12 +131,12 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 
 
 def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> Reading:
-    """One reading from files or tables whose columns are named; see `read`.
+    """Read files or tables with named columns, as `read` does.
 
     Raises
     ------
     FormatError
-        With file and line of what is no number.
+        If a field is not a number, with file and line.
     """
     files = [source.file for source in inputs]
     whole = [
@@ -193,7 +193,7 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
 
 
 def missing_columns(header: Header) -> str | None:
-    """Which columns are expected, found and missing, in words; None if none is missing."""
+    """Describe expected, found and missing columns, or return None if none is missing."""
     if header.has_frame and header.has_box:
         return None
     missing = [] if header.has_frame else ["frame"]
@@ -204,7 +204,7 @@ def missing_columns(header: Header) -> str | None:
 
 
 def _read_one(source: NamedColumns, number: int, own: str | None, options: ReadOptions) -> FilePart:
-    """All boxes of a file, with their `_Classes`."""
+    """Read all boxes of a file, with their `_Classes`."""
     header = source.header
     columns, line, has_decimal_comma = source.parse(_columns_to_read(header, options.role))
     lines = Lines.of(source.file, line)
@@ -291,7 +291,7 @@ def _read_one(source: NamedColumns, number: int, own: str | None, options: ReadO
 def _boxes(
     columns: pd.DataFrame, source: NamedColumns, options: ReadOptions
 ) -> tuple[tuple[np.ndarray, ...], str]:
-    """x, y, w, h in pixels from whichever columns there are, and the conversion in words."""
+    """Convert the columns of boxes to x, y, w, h in pixels, with conversion text."""
     if "right" in columns:
         left, top, right, bottom = (columns[name].to_numpy() for name in ("x", "y", *_CORNER))
         with np.errstate(invalid="ignore"):  # infinite corners: reported as rows that are no box
@@ -343,7 +343,7 @@ def _with_varying_score(
 
 
 def _misspelt(source: NamedColumns, role: Role) -> list[Finding]:
-    """Columns left unused whose names are nearly those of columns that would count."""
+    """Report unused columns whose names are similar to those of known columns."""
     return [
         warning(
             "misspelt-column",
@@ -365,9 +365,9 @@ class _Classes:
     Attributes
     ----------
     key
-        Of each row: the name of its class, or its number.
+        Name or number of each row's class.
     names
-        The names that the file gives the numbers, in a column of its own; else empty.
+        Names of the numbers, if a column of the file gives them. Otherwise empty.
     """
 
     key: pd.Series
@@ -375,7 +375,7 @@ class _Classes:
 
 
 def _classes_of(columns: pd.DataFrame) -> _Classes | None:
-    """The classes of a file; numbers are written in one way ("0.0" is 0)."""
+    """Return the classes of a file, with numbers normalized ("0.0" is 0)."""
     if "class" not in columns:
         return None
     key = pd.Series(names_as_categories(columns["class"], len(columns)))
@@ -388,7 +388,7 @@ def _classes_of(columns: pd.DataFrame) -> _Classes | None:
     names: dict[str, str] = {}
     if "class_name" in columns:
         pairs = pd.DataFrame({"key": key, "name": columns["class_name"]}).drop_duplicates()
-        if pairs["key"].is_unique:  # else it names something else
+        if pairs["key"].is_unique:  # otherwise the column is no name of the number
             names = dict(zip(pairs["key"].astype(str), pairs["name"].astype(str), strict=True))
     return _Classes(key, names)
 
@@ -396,9 +396,9 @@ def _classes_of(columns: pd.DataFrame) -> _Classes | None:
 def _classes(
     kinds: Sequence[_Classes | None], files: Sequence[SourceFile], options: ReadOptions
 ) -> tuple[Mapping[str, str], CategoryChoice | None, Mapping[str, str]]:
-    """Names that the files state, the choice of classes over all of them, and names by key.
+    """Return the names stated in files, the choice of classes over all files, and names by key.
 
-    No choice where the files have no classes; those of a single class are about that one.
+    Without classes there is no choice. Files with a single class are about that class.
     """
     counts: Counter[Any] = Counter()
     stated: dict[str, str] = {}
@@ -440,17 +440,17 @@ def _classes(
 def _sorted_by_class(
     boxes: pd.DataFrame, key: pd.Series, choice: CategoryChoice, label_of: Mapping[str, str]
 ) -> pd.DataFrame:
-    """Boxes without those of other classes, with their labels; lookalikes are ignore regions."""
+    """Drop boxes of other classes, add labels, and turn lookalikes into ignore regions."""
     ignore = boxes["ignore"].to_numpy() | key.isin(choice.ignored).to_numpy()
     boxes = boxes.assign(ignore=ignore, label=codes_of(key, label_of))
     return select_boxes(boxes, ~key.isin(choice.others).to_numpy())
 
 
 def _columns_to_read(header: Header, role: Role) -> list[str]:
-    """Columns that are read: of two ways to say one thing, the clearer."""
+    """List the columns to read, preferring the clearer of two equivalent ones."""
     left_aside = {*_OF_OTHERS[role]}
     left_aside |= {"picture"} if "frame" in header.place else set()
-    # beside corners, width and height are often those of the picture
+    # next to corners, width and height are often those of the picture
     has_corners = {"right", "bottom"} <= header.place.keys() and not header.has_centres
     left_aside |= {"w", "h"} if has_corners else {"right", "bottom"}
     left_aside |= {"x", "y"} if header.has_centres else {"xc", "yc"}
@@ -458,7 +458,7 @@ def _columns_to_read(header: Header, role: Role) -> list[str]:
 
 
 def _named(recording: pd.Series, lines: Lines) -> pd.Categorical:
-    """The recording of each row; an empty field is an error."""
+    """Return the recording of each row, or raise FormatError for an empty field."""
     names = names_as_categories(recording, len(recording))
     if "" in names.categories:
         lines.refuse(
@@ -469,7 +469,7 @@ def _named(recording: pd.Series, lines: Lines) -> pd.Categorical:
 
 
 def _frames(values: np.ndarray, lines: Lines, base: int | None) -> tuple[np.ndarray, str]:
-    """Frame numbers, and in words what was done to them."""
+    """Convert frame numbers, and describe the conversion."""
     frame = whole_numbers(values, lines, "frame")
     if base is None:
         return frame, "frame numbers as they are"

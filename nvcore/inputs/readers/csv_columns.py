@@ -1,4 +1,4 @@
-"""Columns of a CSV file with a header, whatever they are called there."""
+"""Columns of a CSV file with a header, recognised by synonyms of their names."""
 
 from __future__ import annotations
 
@@ -70,21 +70,21 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
     ),
     "class_name": ("class_name", "category_name", "label_name", "class_label", "name"),
 }
-"""Names that a column may have, the plainest first; case and punctuation do not matter."""
+"""Synonyms of column names, the plainest first, without case and punctuation."""
 
 OTHER_SCORE: Final = "other_score"
-"""A second column with a name of the score, in `Header.place`; its values are text."""
+"""Key of `Header.place` for a second column with a name of the score, read as text."""
 CLOSE: Final = 0.85
-"""How alike two names are, from 0 to 1 as `difflib` has it, from which on one may be the other."""
+"""Similarity of names (0 to 1, by `difflib`) from which on one may be the other misspelt."""
 LEAST_LETTERS: Final = 5
-"""Shorter names are too easily like another."""
+"""Shortest name that is checked for misspellings, since short names are easily similar."""
 
 NUMBERS = (
     *("frame", "x", "y", "w", "h", "xc", "yc", "right", "bottom"),
     *("score", "distance_m", "occlusion", "detectability", "detectability_sd", "period_s"),
 )
 EXCEL: Final = re.compile(rb"sep=.\n", re.IGNORECASE)
-"""A first line of Excel's, which says what separates the fields."""
+"""First line of Excel's that states the delimiter."""
 ALERTED: Final = "alerted"
 """Whether a detection was an alert: a system's own log (`nvcore.alerts.inputs`)."""
 CLAIMS = ("ignore", "is_outside", ALERTED)
@@ -101,11 +101,11 @@ class Header:
     Attributes
     ----------
     names
-        Columns as the file calls them.
+        Names of the columns in the file.
     delimiter
         Comma, semicolon or tab.
     place
-        Index of each column that was recognised, by its name in `SYNONYMS`.
+        Index of each recognised column, by its name in `SYNONYMS`.
     """
 
     names: tuple[str, ...]
@@ -130,7 +130,7 @@ class Header:
 
 
 def read_header(line: str) -> Header:
-    """Columns of a header line; the delimiter is the commonest of comma, semicolon and tab."""
+    """Parse a header line, separated by the commonest of comma, semicolon and tab."""
     line = line.rstrip("\r\n")
     delimiter = max(",;\t", key=line.count)
     try:
@@ -141,7 +141,7 @@ def read_header(line: str) -> Header:
 
 
 def header_of(names: Sequence[str], delimiter: str = ",") -> Header:
-    """The header with these names of columns."""
+    """Make the header with these names of columns."""
     plain = [*map(_plain, names)]
     place = {}
     for column, synonyms in SYNONYMS.items():
@@ -151,12 +151,12 @@ def header_of(names: Sequence[str], delimiter: str = ",") -> Header:
         if column == "score" and len(places) > 1:
             place[OTHER_SCORE] = places[1]
     if place.get("class_name") in (None, place.get("class")) or "class" not in place:
-        place.pop("class_name", None)  # of a class, beside its number
+        place.pop("class_name", None)  # name of a class that also has a number
     return Header(tuple(names), delimiter, place)
 
 
 def misspelt_columns(header: Header, aside: Sequence[str] = ()) -> list[tuple[str, str]]:
-    """Columns that nothing is read from and whose names are close to those of missing ones.
+    """Find unused columns whose names are similar to those of missing ones.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def misspelt_columns(header: Header, aside: Sequence[str] = ()) -> list[tuple[st
     Returns
     -------
     list
-        Name as in the file, and the name that is close, one of `SYNONYMS`.
+        Name in the file, and the similar name in `SYNONYMS`.
 
     Examples
     --------
@@ -184,14 +184,14 @@ def misspelt_columns(header: Header, aside: Sequence[str] = ()) -> list[tuple[st
 
 
 def _plain(name: str) -> str:
-    """A column's name without case and punctuation, as `SYNONYMS` has it."""
+    """Remove case and punctuation from a column's name, as in `SYNONYMS`."""
     return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
 
 
 def read_columns(
     file: SourceFile, header: Header, content: bytes, to_read: Sequence[str]
 ) -> tuple[pd.DataFrame, np.ndarray, bool]:
-    """The wanted columns: numbers as float64, `CLAIMS` as bool, the rest as text.
+    """Read columns: numbers as float64, `CLAIMS` as bool, the rest as text.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def read_columns(
     content
         The file from its first line on, without byte order mark.
     to_read
-        Columns to be read, of those in `header.place`.
+        Columns to read, from `header.place`.
 
     Returns
     -------
@@ -212,7 +212,7 @@ def read_columns(
     Raises
     ------
     FormatError
-        With the first line that has another number of fields or a field that is no number.
+        If a line has another number of fields, or a field is not a number, with the first line.
     """
     kinds = {name: _kind(name) for name in to_read}
     signs = (".",) if header.delimiter == "," else (".", ",")
@@ -233,7 +233,7 @@ def read_columns(
 
 
 def _kind(name: str) -> pa.DataType:
-    """Type that the values of a column are read as."""
+    """Return the type to read the values of a column as."""
     if name in (*NUMBERS, "track"):
         return pa.float64()
     return pa.bool_() if name in CLAIMS else _TEXT
@@ -247,7 +247,7 @@ def _parse(
     *,
     has_empty_lines: bool,
 ) -> pa.Table | None:
-    """The columns by pyarrow, None if a field is not of its kind or a line has other fields."""
+    """Parse columns by pyarrow, or return None if a field or the number of fields is wrong."""
     names = [f"unused {i}" for i in range(len(header.names))]
     for name in kinds:
         names[header.place[name]] = name
@@ -271,7 +271,7 @@ def _parse(
     except pa.ArrowInvalid:
         return None
     if "track" in kinds and kinds["track"] != _TEXT:
-        # numbers that are not whole, or that float64 cannot hold, are text, as a hash is
+        # track ids that are not whole, or too large for float64, are text, like hashes
         try:
             whole = table["track"].cast(pa.int64())
         except pa.ArrowInvalid:
@@ -283,7 +283,7 @@ def _parse(
 
 
 def _column(column: pa.ChunkedArray) -> Any:
-    """A column as an array: missing flags are not set, missing numbers NaN, texts categories."""
+    """Convert a column: missing flags to False, missing numbers to NaN, texts to categories."""
     if pa.types.is_boolean(column.type):
         return pc.fill_null(column, False).to_numpy()
     if pa.types.is_floating(column.type):
@@ -293,14 +293,14 @@ def _column(column: pa.ChunkedArray) -> Any:
     texts = [without_safeguard(text.strip()) for text in coded.dictionary.to_pylist()]
     codes = coded.indices.to_numpy(zero_copy_only=False)
     names = list(dict.fromkeys(texts))
-    if len(names) < len(texts):  # some differed in blanks only
+    if len(names) < len(texts):  # some differed only in blanks
         place = {name: code for code, name in enumerate(names)}
         codes = np.array([place[text] for text in texts], dtype=codes.dtype)[codes]
     return categories_of(codes, names)
 
 
 def _lines(content: bytes, n_rows: int) -> np.ndarray:
-    """1-based line of each row; line 1 is the header, empty lines are no rows."""
+    """Return the 1-based line of each row, skipping the header and empty lines."""
     n_lines = content.count(b"\n") + (not content.endswith(b"\n"))
     if n_lines == n_rows + 1:
         return _next_lines(n_rows)
@@ -311,14 +311,14 @@ def _lines(content: bytes, n_rows: int) -> np.ndarray:
 
 
 def _next_lines(n_rows: int) -> np.ndarray:
-    """The lines after the header, as many as there are rows; of the type of the boxes' lines."""
+    """Number rows from line 2 on, as in a file without empty lines."""
     return np.arange(2, n_rows + 2, dtype=BOX_DTYPES["line"])
 
 
 def _first_fault(
     file: SourceFile, header: Header, content: bytes, to_read: Sequence[str]
 ) -> FormatError:
-    """Error about the first line that cannot be read; line by line, as there is a fault."""
+    """Return an error about the first unreadable line, searching line by line."""
     n_before = 0
     if b'"' not in content:  # else a line may be a part of a text
         n_before, content = _first_odd_block(header, content, to_read)
@@ -342,7 +342,7 @@ def _first_fault(
 
 
 def _first_odd_block(header: Header, content: bytes, to_read: Sequence[str]) -> tuple[int, bytes]:
-    """The first lines that cannot be read at once, and how many stand before; else all."""
+    """Return the first unreadable block and the number of lines before it, else all lines."""
     kinds = {name: _TEXT if name == "track" else _kind(name) for name in to_read}
     signs = (".", ",") if header.delimiter == ";" else (".",)
     for n_before, block in line_blocks(content):
@@ -353,7 +353,7 @@ def _first_odd_block(header: Header, content: bytes, to_read: Sequence[str]) -> 
 
 
 def _fault(row: list[str], header: Header, to_read: Sequence[str], layout: str) -> str | None:
-    """What is wrong with a row, None if nothing is."""
+    """Describe the fault of a row, or return None."""
     if len(row) != len(header.names):
         return f"expected {len(header.names)} fields ({layout}), found {len(row)}"
     for name in to_read:
@@ -370,16 +370,16 @@ def _fault(row: list[str], header: Header, to_read: Sequence[str], layout: str) 
 
 
 def csv_content(file: SourceFile, *, role: Role) -> bytes:
-    """Content of a CSV file from its header on, without byte order mark, lines ended by LF.
+    """Read a CSV file from its header on, without byte order mark, with LF line ends.
 
-    Excel's first line ``sep=;`` becomes an empty line behind the header: others keep their numbers.
+    Excel's first line ``sep=;`` becomes an empty line after the header, to keep line numbers.
 
-    The empty file of a system that detected nothing becomes one with the header only.
+    The empty file of a system that detected nothing becomes a header without rows.
 
     Raises
     ------
     FormatError
-        If it is no UTF-8 text, or ground truth and empty.
+        If it is not UTF-8 text, or is empty ground truth.
     """
     content = read_text_bytes(file)
     if b"\r" in content:

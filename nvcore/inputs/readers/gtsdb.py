@@ -53,22 +53,22 @@ CLASSES: Final = (
 )
 """Names of the benchmark's classes, by their numbers."""
 SCENES: Final = "scenes.txt"
-"""Beside ``gt.txt``: a picture's name per line, for the scenes without a sign."""
+"""File beside ``gt.txt`` that also lists scenes without a sign, one picture name per line."""
 PICTURES: Final = frozenset({".ppm", ".jpg", ".jpeg", ".png"})
 _MOST_PICTURES: Final = 100_000
 
 
 def recognise(_name: str, head: str, role: Role) -> bool:
-    """Whether the rows are a picture's name and 5 numbers with semicolons, the last one whole."""
+    """Whether rows are a picture's name and 5 numbers with semicolons, the last one whole."""
     return role == "truth" and LAYOUT.fits(head)
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Read ``gt.txt``, one file per recording; each scene, a single picture, is a frame.
+    """Read ``gt.txt``, one file per recording. Each scene (a single picture) is a frame.
 
-    Corners are the first and last pixel inside, 0-based. A scene without a sign has no row: the
-    evaluated frames are those of ``scenes.txt`` in the same folder, else of the pictures there,
-    else of the rows.
+    Corners are the first and last pixel inside, 0-based. A scene without a sign has no row, so
+    evaluated frames come from ``scenes.txt`` in the same folder, else from the pictures there,
+    else from the rows.
     """
     tables = [file for file in files if PurePosixPath(file.name).name != SCENES]
     if not tables:
@@ -110,7 +110,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 
 
 def _frames(picture: np.ndarray, lines: Lines) -> np.ndarray:
-    """Frame number of each row's picture."""
+    """Return the frame number of each row's picture."""
     codes, pictures = pd.factorize(picture)
     numbers = np.empty(len(pictures), np.int64)
     for i, name in enumerate(pictures):  # of the few different names
@@ -128,7 +128,7 @@ def _frames(picture: np.ndarray, lines: Lines) -> np.ndarray:
 def _scenes(
     file: SourceFile, files: Sequence[SourceFile], annotated: np.ndarray
 ) -> tuple[np.ndarray, str]:
-    """Frame numbers of all scenes of a file, sorted, and how they are known."""
+    """Return sorted frame numbers of all scenes of a file, with a text on their source."""
     folder = PurePosixPath(file.name).parent
     listed = next((f for f in files if PurePosixPath(f.name) == folder / SCENES), None)
     if listed is None and (file.path.parent / SCENES).is_file():
@@ -146,7 +146,7 @@ def _scenes(
 
 
 def _pictures_beside(file: SourceFile) -> np.ndarray:
-    """Frame numbers of the pictures in the file's folder."""
+    """Return the frame numbers of the pictures in the file's folder."""
     numbers = []
     for path in islice(file.path.parent.iterdir(), _MOST_PICTURES):
         place = recording_and_frame_of(path.name) if path.suffix.lower() in PICTURES else None

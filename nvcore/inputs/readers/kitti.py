@@ -49,16 +49,16 @@ DETECTIONS = TextLayout(
     (6, 15), "frame,x1,y1,x2,y2,score or frame,type,x1,y1,x2,y2,score,h,w,l,X,Y,Z,ry,alpha"
 )
 _WHOLE = {6: (0,), 15: (0, 1)}
-"""Columns of whole numbers in detections, by the number of columns."""
+"""Indices of whole-number columns in detections, by the number of columns."""
 RULE = ClassRule(
     counted=("Pedestrian",),
     ignored=("Person_sitting", "DontCare"),
     left_out=("Cyclist", "Car", "Van", "Truck", "Tram", "Misc"),
     is_benchmark=True,
 )
-"""As in KITTI's own pedestrian evaluation: a detection on a cyclist is a false alarm there."""
+"""Rule of KITTI's own pedestrian evaluation: a detection of a cyclist is a false alarm."""
 TRACKING_RULE = replace(RULE, ignored=("Person", *RULE.ignored))
-"""KITTI's tracking labels call those who sit `Person`; in files of other tools all are `person`."""
+"""Rule for KITTI's tracking labels, where `Person` is sitting, unlike `person` of other tools."""
 TYPES = {1: "Pedestrian", 2: "Car", 3: "Cyclist"}
 """Type numbers of detections with 15 columns."""
 TYPES_RULE = ClassRule(counted=("Pedestrian",), ignored=(), left_out=("Car", "Cyclist"))
@@ -67,10 +67,10 @@ DISTANCE = "camera Z to distance_m (not in front of the camera: unknown)"
 
 
 def read_object(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Read KITTI object files, one per image; a file without rows is an evaluated frame.
+    """Read KITTI object files, one per image. Files without rows are evaluated frames, too.
 
-    Pixels are 0-based, corners inclusive. Pedestrian counts, Person_sitting (neutral in KITTI's
-    evaluation) and DontCare are ignore regions, other types are left out. The camera's Z becomes
+    Pixels are 0-based, corners inclusive. Pedestrian counts. Person_sitting (neutral in KITTI's
+    evaluation) and DontCare are ignore regions. Other types are left out. The camera's Z becomes
     the distance.
     """
     named = listed_frames(files, options)
@@ -81,8 +81,8 @@ def read_object(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 def read_tracking(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """Read KITTI tracking files, one per recording.
 
-    Frames and pixels are 0-based, corners inclusive. Pedestrian counts, Person and Person_sitting
-    (neutral in KITTI's evaluation) and DontCare are ignore regions, other types are left out. The
+    Frames and pixels are 0-based, corners inclusive. Pedestrian counts. Person and Person_sitting
+    (neutral in KITTI's evaluation) and DontCare are ignore regions. Other types are left out. The
     camera's Z becomes the distance.
     """
     names, assumed = recordings_of([file.name for file in files], options.recordings)
@@ -103,7 +103,7 @@ def _labels(
     facts: Sequence[str],
     **columns: Any,
 ) -> Reading:
-    """The reading of label rows, whose last columns are those of `FIELDS`; see `rows_reading`."""
+    """Make a reading of label rows, which end with the columns of `FIELDS`."""
     assert table.label is not None
     _, occluded, _, left, top, right, bottom, _, _, _, _, _, z, _, score = table.columns[-15:]
     is_kitti = not {"Pedestrian", "DontCare"}.isdisjoint(table.label)
@@ -138,15 +138,15 @@ def _labels(
 def _box_of_corners(
     left: np.ndarray, top: np.ndarray, right: np.ndarray, bottom: np.ndarray
 ) -> tuple[np.ndarray, ...]:
-    """x, y, w, h of boxes whose corners are the first and the last pixel inside."""
+    """Convert corners, which are the first and the last pixel inside, to x, y, w, h."""
     return left, top, right - left + 1, bottom - top + 1
 
 
 def recognise_detections(_name: str, head: str, role: Role) -> bool:
-    """Whether all rows have 15 numbers, or all have 6 with x2 > x1 and y2 > y1 throughout.
+    """Whether all rows have 15 numbers, or all have 6 with x2 > x1 and y2 > y1.
 
-    Rows of 6 could be ``frame,x,y,w,h,score`` as well; there, sizes that exceed the positions in
-    every single row do not occur.
+    Rows of 6 could also be ``frame,x,y,w,h,score``, but there sizes never exceed positions in
+    every row.
     """
     n_rows = len(head)  # all of them
     short, long = (replace(DETECTIONS, n_columns=(n,), whole=at) for n, at in _WHOLE.items())
@@ -161,7 +161,7 @@ def read_detections(files: Sequence[SourceFile], options: ReadOptions) -> Readin
     """Read KITTI detections, one file per recording.
 
     Frames and pixels are 0-based, corners inclusive. In the 15-column layout type 1 (Pedestrian)
-    counts, other types are left out, and the camera's Z becomes the distance.
+    counts and other types are left out. The camera's Z becomes the distance.
     """
     names, assumed = recordings_of([file.name for file in files], options.recordings)
     facts = ["frame numbers kept (0-based)", CORNERS]
@@ -199,12 +199,12 @@ def read_detections(files: Sequence[SourceFile], options: ReadOptions) -> Readin
 
 
 def _is_long(table: NumberTable) -> np.ndarray:
-    """Whether each row has more than 6 columns; bool, shape (n,)."""
+    """Mark rows with more than 6 columns. Bool, shape (n,)."""
     return np.asarray(~np.isnan(np.stack(table.columns[6:])).all(axis=0))
 
 
 def _check(table: NumberTable) -> None:
-    """Raise FormatError for a file that mixes the layouts or whose 6 columns are no corners."""
+    """Raise FormatError for a file that mixes the layouts or whose 6 columns are not corners."""
     is_long, edges = _is_long(table), table.columns[1:5]
     table.lines.refuse(
         is_long != is_long[:1],
@@ -227,7 +227,7 @@ def _check(table: NumberTable) -> None:
 def _lack_corners(
     left: np.ndarray, top: np.ndarray, right: np.ndarray, bottom: np.ndarray
 ) -> np.ndarray:
-    """Whether the second corner is not to the lower right of the first; NaN rows pass."""
+    """Mark rows whose second corner is not to the lower right of the first, except NaN."""
     with np.errstate(invalid="ignore"):
         return (right <= left) | (bottom <= top)
 

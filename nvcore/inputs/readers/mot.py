@@ -49,7 +49,7 @@ from nvcore.schema import NO_TRACK
 
 LAYOUT = TextLayout((7, 8, 9, 10), "frame,id,left,top,width,height,conf,...", whole=(0, 1))
 BLANKS = replace(LAYOUT, delimiter=" ")
-"""As trackers write it that join numbers by blanks or tabs."""
+"""Layout of trackers that separate numbers by blanks or tabs."""
 CLASSES = {
     1: "pedestrian",
     2: "person_on_vehicle",
@@ -66,10 +66,10 @@ CLASSES = {
     13: "crowd",
 }
 COLUMN_NAMES = {7: "the eighth column", 8: "the ninth column", 9: "the tenth column"}
-"""In words, by their places from 0."""
+"""Names of columns, by index."""
 LABELS = "labels.txt"
 HEAD_BYTES = 4096
-"""Bytes that are read to see what separates the numbers."""
+"""Number of bytes that are read to detect the delimiter."""
 LATE_SCORE = "constant-score-column"
 RULE = ClassRule(
     counted=("pedestrian",),
@@ -80,12 +80,12 @@ RULE = ClassRule(
     ),
     is_benchmark=True,
 )
-"""As in MOTChallenge's own evaluation: detecting a distractor is neither right nor wrong."""
+"""Rule of MOTChallenge's own evaluation: detecting a distractor is neither right nor wrong."""
 MOT20_RULE = replace(RULE, ignored=(*RULE.ignored, "non_mot_vehicle"))
 
 
 def recognise(_name: str, head: str, _role: Role) -> bool:
-    """Whether the text has 7 to 10 numbers a line, between commas or blanks; whole frame and id."""
+    """Whether lines have 7 to 10 numbers (with whole frame and id) between commas or blanks."""
     return LAYOUT.fits(head) or BLANKS.fits(head)
 
 
@@ -94,14 +94,14 @@ def read(
 ) -> Reading:
     """Read MOTChallenge files, one per recording.
 
-    Frames, ids and pixels are 1-based in the files; frames keep their numbers, pixels become
-    0-based (VisDrone's are, and so are those of results on it). In truth, column 7 = 0 and
-    distractor classes become ignore regions, other classes are left out. In results, a score
-    column of nothing but -1 means that there are no scores. A constant score beside a later column
-    that varies between 0 and 1 is an error to be accepted; `has_late_score` takes the later column.
+    Frames, ids and pixels are 1-based in the files. Frames keep their numbers. Pixels become
+    0-based, as those of VisDrone and of results on it already are. In truth, column 7 = 0 and
+    distractor classes become ignore regions, and other classes are left out. In results, a score
+    column of only -1 means no scores. A constant score with a later column that varies between
+    0 and 1 is an error that users can accept: `has_late_score` uses the later column.
 
-    Classes are those of MOTChallenge, of a ``labels.txt`` beside the file (CVAT), or VisDrone's;
-    of results those of the truth.
+    Classes are those of MOTChallenge, of a ``labels.txt`` beside the file (CVAT), or of VisDrone.
+    Results have the classes of the truth.
     """
     files = [file for file in files if not is_class_file(file.name)] or files
     infos = [sequence_info(file) for file in files]
@@ -135,7 +135,7 @@ def read(
 
 @dataclass(frozen=True)
 class _Rows:
-    """What becomes of the rows: which stay, which are ignored, and what is said of it."""
+    """Treatment of rows: kept or not, ignored or counted, with facts and findings."""
 
     keep: np.ndarray
     ignore: np.ndarray
@@ -178,7 +178,7 @@ def _read_one(
         rows = _rows_of_results(table, options)
         late = _late_score(table)
         if has_late_score:
-            # a file with few rows says no more than which column is its last
+            # a file with few rows only shows which column is its last
             filled = [i for i in COLUMN_NAMES if np.isfinite(table.columns[i]).any()]
             late = [6, *filled][-1] if late is None else late
             conf = table.columns[late]
@@ -198,7 +198,7 @@ def _read_one(
             columns["score"] = conf
         elif len(table):
             rows.facts.append("score column is -1 throughout: no scores")
-    # CVAT and Datumaro write the corners that they draw, frames from 1 all the same
+    # CVAT and Datumaro write edges from 0, although frames start at 1
     base = 0 if is_visdrone or _labels_beside(file).names else 1
     boxes = table.lines.boxes(
         (left - base, top - base, width, height),
@@ -227,7 +227,7 @@ def _read_one(
 def _rows_of_truth(
     table: NumberTable, name: str, options: ReadOptions, *, is_visdrone: bool
 ) -> _Rows:
-    """What becomes of rows of truth."""
+    """Choose the treatment of rows of truth."""
     conf, kind, _, last = table.columns[6:]
     findings = table.lines.finding(
         (conf != np.floor(conf)) | (conf > 1),
@@ -265,7 +265,7 @@ def _rows_of_truth(
 
 
 def _late_score(table: NumberTable) -> int | None:
-    """Column behind a constant seventh one that varies between 0 and 1; None if there is none."""
+    """Find a column after a constant seventh one that varies between 0 and 1, or return None."""
     if len(np.unique(table.columns[6])) > 1:
         return None
     return next(
@@ -279,7 +279,7 @@ def _late_score(table: NumberTable) -> int | None:
 
 
 def _rows_of_results(table: NumberTable, options: ReadOptions) -> _Rows:
-    """What becomes of rows of results, which have a class if column 8 can be none else."""
+    """Choose the treatment of rows of results. Column 8 is a class if it can be nothing else."""
     kind, second, third = table.columns[7:]
     everything = _Rows(np.ones(len(table), dtype=bool), np.zeros(len(table), dtype=bool), [])
     is_small = np.isnan(third) | (np.isin(second, (-1, 0, 1)) & np.isin(third, (-1, 0, 1, 2)))
@@ -295,7 +295,7 @@ def _rows_of_results(table: NumberTable, options: ReadOptions) -> _Rows:
 def _by_name(
     rows: _Rows, classes: np.ndarray, named: ClassNames, options: ReadOptions, file: SourceFile
 ) -> _Rows:
-    """The rows sorted by what their classes are called."""
+    """Choose the treatment of rows by the names of their classes."""
     numbered = NumberedRows.of(classes)
     choice = choose_categories(numbered.counts, named, options, file=file.name)
     of_rows = choice_of_rows(numbered, choice)
@@ -312,7 +312,7 @@ def _by_name(
 
 
 def _labels_beside(file: SourceFile) -> ClassNames:
-    """Names of CVAT's ``labels.txt`` in the folder of the file or above, which number from 1."""
+    """Read CVAT's ``labels.txt`` in the folder of the file or above, numbered from 1."""
     folder = file.path.absolute().parent
     places = [folder, folder.parent] if folder.name.lower() in ("gt", "det") else [folder]
     labels = next(
@@ -333,4 +333,4 @@ BOXMOT = Format(
     lambda _name, _head, _role: False,
     partial(read, has_late_score=True),
 )
-"""As BoxMOT writes it, where column 7 is always 1. It is never recognised: it has to be named."""
+"""Format of BoxMOT, where column 7 is always 1. It has to be named, since it is not detected."""

@@ -1,4 +1,4 @@
-"""Parquet: a table whose columns are called as in plain CSV."""
+"""Parquet: a table with the column names of plain CSV."""
 
 from __future__ import annotations
 
@@ -35,25 +35,25 @@ from nvcore.wording import shortened
 MAGIC: Final = "PAR1"
 _PIPE_BYTES: Final = 1 << 20
 MAX_TEXT_BYTES: Final = 1 << 14
-"""Longest text, several times the longest path that systems take."""
+"""Longest text in bytes, several times the longest path of operating systems."""
 
 
 def recognise(_name: str, head: str, _role: Role) -> bool:
-    """Whether it begins as Parquet does, and is no text."""
+    """Whether the content begins like Parquet and is not text."""
     return head.startswith(MAGIC) and "\x00" in head
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Read Parquet files as if they were plain CSV; see `nvcore.inputs.readers.csv.read`.
+    """Read Parquet files like plain CSV (see `nvcore.inputs.readers.csv.read`).
 
-    Numbers may be of any numeric type, or text; text may be coded as a dictionary. A null is an
+    Numbers may be of any numeric type, or text. Text may be encoded as a dictionary. A null is an
     empty field.
 
     Raises
     ------
     FormatError
-        With the row, counted from 0, of what is no number; or if the file is damaged, lacks a
-        column, has one of another type, or would be too large in memory.
+        If a field is not a number, with the row from 0. If the file is damaged, lacks a column,
+        has one of another type, or would be too large in memory.
     """
     try:
         reading = read_named_columns([_named_columns(file) for file in files], options)
@@ -75,9 +75,9 @@ def _named_columns(file: SourceFile) -> NamedColumns:
 
 
 class _Decoder:
-    """`nvcore.inputs.readers.parquet_decoder` in a process of its own, which a file may end.
+    """Separate process of `nvcore.inputs.readers.parquet_decoder`, which a file may crash.
 
-    The first file starts it, and the next one after it has ended; it ends with this process.
+    The first file starts it, as does the next one after a crash. It ends with this process.
     """
 
     def __init__(self) -> None:
@@ -86,14 +86,14 @@ class _Decoder:
         self._said: IO[bytes] | None = None
 
     def read(self, file: SourceFile) -> tuple[Header, dict[int, pa.ChunkedArray | np.ndarray]]:
-        """The header of a file, and the columns that it recognises, by their places.
+        """Read the header of a file and its recognised columns, by index.
 
-        Numbers without a missing one are arrays.
+        Columns of numbers without missing values are arrays.
 
         Raises
         ------
         FormatError
-            If it is damaged, ends the process, lacks a column or would take too much memory.
+            If the file is damaged, crashes the process, lacks a column or is too large.
         """
         limits = {
             "ratio": MAX_RATIO,
@@ -111,7 +111,7 @@ class _Decoder:
             return header, self._ask(file, None, sorted(header.place.values()), limits)
 
     def end(self) -> None:
-        """Let it end, if it runs."""
+        """Close the process's input and wait for it to end, if it is running."""
         if self._process is not None:
             self._process.communicate()
             self._process = None
@@ -133,7 +133,7 @@ class _Decoder:
                     raise EOFError
         except (EOFError, OSError, pickle.UnpicklingError) as error:
             raise self._fault_of_end(file) from error
-        except BaseException:  # ^C: what it answers would be taken for the next one's
+        except BaseException:  # ^C: its answer would be mistaken for the next one
             process.kill()
             self.end()
             raise
@@ -152,7 +152,7 @@ class _Decoder:
             self._said = tempfile.TemporaryFile()  # noqa: SIM115  # as long as the process
             try:
                 self._process = subprocess.Popen(  # noqa: S603  # our own module
-                    # -P: beside it lie modules called as those of the library
+                    # -P: its folder has modules with names of the standard library
                     [sys.executable, "-P", str(Path(__file__).with_name("parquet_decoder.py"))],
                     stdin=subprocess.PIPE,
                     stdout=subprocess.PIPE,
@@ -167,7 +167,7 @@ class _Decoder:
         return self._process
 
     def _fault_of_end(self, file: SourceFile) -> Exception:
-        """What is wrong with a file by which the process has ended."""
+        """Return an error that explains why the process ended while it read a file."""
         process, self._process = self._process, None
         assert process is not None
         assert self._said is not None
@@ -191,7 +191,7 @@ atexit.register(_decoder.end)
 
 
 def _series(column: pa.ChunkedArray | np.ndarray) -> pd.Series:
-    """A column as pandas holds it: numbers, bool, or categories of text; nulls are missing."""
+    """Convert a column to pandas: numbers, bool, or categories of text, with nulls missing."""
     if isinstance(column, np.ndarray):
         return pd.Series(column, copy=False)
     kind = column.type

@@ -1,9 +1,9 @@
-"""Parquet decoded in a process of its own: Arrow aborts that which opens some damaged files.
+"""Decode Parquet in a separate process, because Arrow aborts on some damaged files.
 
-``python parquet_decoder.py`` answers requests by standard input: a file's content with the names of
-its columns, then the columns wanted of it. Numbers follow an answer as they lie in memory, to be
-read into arrays. It imports nothing but pyarrow, so that it starts in a tenth of a second; whoever
-asks is `nvcore.inputs.readers.parquet`.
+``python parquet_decoder.py`` answers requests of `nvcore.inputs.readers.parquet` on standard
+input: a file's content with the names of its columns, then requested columns. Numbers follow an
+answer in their memory layout, to be read into arrays. It imports only pyarrow, so that it starts in
+a tenth of a second.
 """
 
 from __future__ import annotations
@@ -19,41 +19,41 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 TEXTS_AT_ONCE: Final = 4096
-"""Rows of a column of text that are decoded at a time: sizes in the file are claims."""
+"""Rows of text that are decoded at a time, since sizes in the file are not to be trusted."""
 _BYTES_OF_A_NUMBER: Final = 8
 _FAULTS: Final = (pa.ArrowException, OSError, ValueError, LookupError, OverflowError)
-"""What pyarrow raises for damaged and hostile files."""
+"""Exceptions that pyarrow raises for damaged and malicious files."""
 
 
 class RefusedError(Exception):
-    """A table that is whole, but not such as is read; the text says why."""
+    """An intact table that is not accepted, for the reason in the text."""
 
 
 class ParquetTable:
-    """A Parquet file: its columns' names, and those of them that are wanted."""
+    """Parquet file with the names of its columns, which are decoded on request."""
 
     def __init__(self, content: bytes) -> None:
         self._n_bytes, buffer = len(content), pa.BufferReader(content)
         metadata = pq.read_metadata(buffer)
-        # one text many times takes no more than its number: a small file may hold a million rows
+        # dictionaries store a repeated text once, as a small file may repeat one a million times
         self._file = pq.ParquetFile(buffer, read_dictionary=_numbered_texts(metadata))
         self.names: list[str] = self._file.schema_arrow.names
 
     def columns(
         self, places: Sequence[int], limits: Mapping[str, int]
     ) -> dict[int, pa.ChunkedArray]:
-        """The columns at these places; texts as a dictionary.
+        """Decode the columns at these positions, texts as a dictionary.
 
         Parameters
         ----------
         limits
-            ``ratio``: most bytes for one of the file, of more than ``ratio_from``; ``unpacked``:
-            most bytes in all; ``text``: those of one text.
+            ``ratio``: most decoded bytes per byte of the file, if they exceed ``ratio_from``.
+            ``unpacked``: most bytes in all. ``text``: most bytes of one text.
 
         Raises
         ------
         RefusedError
-            If a column is of another kind, or they would be too large.
+            If a column is of another kind, or the columns would be too large.
         """
         budget = _Budget(self._n_bytes, limits)
         self._check(places, budget)
@@ -62,14 +62,14 @@ class ParquetTable:
         texts = [name for name in names if _holds_text(schema.field(name).type)]
         numbers = [name for name in names if name not in texts]
         groups = []
-        for number in range(self._file.num_row_groups):  # numbers take what their rows say
+        for number in range(self._file.num_row_groups):  # sized by their number of rows
             groups.append(self._file.read_row_group(number, columns=numbers))
             budget.take(groups[-1].nbytes)
         table = pa.concat_tables(groups or [schema.empty_table().select(numbers)])
         columns = {name: table.column(name) for name in numbers}
         columns |= {name: self._texts(name, budget, limits["text"]) for name in texts}
         for name, column in columns.items():
-            if len(column) != len(columns[names[0]]):  # each has pages of its own
+            if len(column) != len(columns[names[0]]):  # columns have separate pages
                 raise ValueError(
                     f"column {_short(name)} has {len(column):,} rows, column {_short(names[0])} "
                     f"{len(columns[names[0]]):,}"
@@ -77,7 +77,7 @@ class ParquetTable:
         return {place: columns[name] for place, name in zip(places, names, strict=True)}
 
     def _check(self, places: Sequence[int], budget: _Budget) -> None:
-        """Refuse columns that are no numbers or text, and too many rows."""
+        """Refuse columns that are neither numbers nor text, and too many rows."""
         schema, metadata = self._file.schema_arrow, self._file.metadata
         for place in places:
             name, kind = self.names[place], schema.field(place).type
@@ -90,14 +90,14 @@ class ParquetTable:
                     f"expected numbers or text in column {_short(name)}, found {_short(str(kind))}"
                 )
         groups = [metadata.row_group(i).num_rows for i in range(metadata.num_row_groups)]
-        n_rows = max(metadata.num_rows, sum(groups))  # one of them may lie
+        n_rows = max(metadata.num_rows, sum(groups))  # either may be wrong
         needed = n_rows * len(places) * _BYTES_OF_A_NUMBER
         needed += _text_bytes(metadata, {self.names[place] for place in places})
         if min(n_rows, *groups, 0) < 0 or budget.is_exceeded_by(needed):
             raise budget.exceeded(f"declares {n_rows:,} rows, which would take", needed)
 
     def _texts(self, name: str, budget: _Budget, longest_text: int) -> pa.ChunkedArray:
-        """Texts by number, a few rows at a time: how long they are is known when decoded."""
+        """Decode texts as a dictionary, a few rows at a time, since their size is unknown."""
         chunks: list[pa.DictionaryArray] = []
         for batch in self._file.iter_batches(batch_size=TEXTS_AT_ONCE, columns=[name]):
             chunk = batch.column(0)
@@ -108,7 +108,7 @@ class ParquetTable:
                 budget.take(chunk.indices.nbytes)
             else:
                 budget.take(chunk.nbytes)
-                chunk.dictionary.validate(full=True)  # that it is UTF-8, which nobody else looks at
+                chunk.dictionary.validate(full=True)  # checks UTF-8, which nothing else does
                 lengths = pc.binary_length(chunk.dictionary)
                 longest = pc.max(lengths).as_py() or 0
                 if longest > longest_text:
@@ -120,25 +120,25 @@ class ParquetTable:
             chunks.append(chunk)
         if not chunks:
             return self._file.schema_arrow.empty_table().column(name)
-        # as one, so that the dictionary is sent once
+        # one chunk, so that the dictionary is sent once
         return pa.chunked_array([pa.chunked_array(chunks).unify_dictionaries().combine_chunks()])
 
 
 class _Budget:
-    """Counts what is decoded, against what a file of this size may hold."""
+    """Counter of decoded bytes, with a limit by the size of the file."""
 
     def __init__(self, n_bytes: int, limits: Mapping[str, int]) -> None:
         self._n_bytes, self._limits = n_bytes, limits
         self._n_read = self._n_written_out = 0
 
     def take(self, n_bytes: int) -> None:
-        """Count what has been decoded."""
+        """Count decoded bytes, or raise RefusedError over the limit."""
         self._n_read += n_bytes
         if self.is_exceeded_by(self._n_read):
             raise self.exceeded("takes more than", self._n_read)
 
     def take_texts(self, name: str, n_bytes: int) -> None:
-        """Count the texts of rows, each as often as it stands there: as a packed CSV has them."""
+        """Count bytes of texts with repetitions, limited as in a compressed CSV file."""
         self._n_written_out += n_bytes
         if self._n_written_out > self._limits["unpacked"]:
             raise RefusedError(
@@ -147,13 +147,13 @@ class _Budget:
             )
 
     def is_exceeded_by(self, n_bytes: int) -> bool:
-        """Whether so many bytes are too many."""
+        """Whether this number of bytes exceeds the limits."""
         limits = self._limits
         is_bomb = n_bytes > limits["ratio_from"] and n_bytes > limits["ratio"] * self._n_bytes
         return is_bomb or n_bytes > limits["unpacked"]
 
     def exceeded(self, what: str, n_bytes: int) -> RefusedError:
-        """The error that says so."""
+        """Return the error for an exceeded limit."""
         return RefusedError(
             f"{what} {n_bytes / 2**30:,.1f} GiB, in a file of {self._n_bytes / 2**20:,.1f} MiB; "
             f"expected at most {self._limits['ratio']} times its size, and "
@@ -162,7 +162,7 @@ class _Budget:
 
 
 def _numbered_texts(metadata: pq.FileMetaData) -> list[str]:
-    """Columns stored as numbers of texts throughout; pyarrow decodes others as texts alone."""
+    """List text columns that pyarrow can decode as a dictionary (without delta encoding)."""
     groups = (metadata.row_group(i) for i in range(metadata.num_row_groups))
     chunks = [group.column(i) for group in groups for i in range(group.num_columns)]
     others = {
@@ -175,7 +175,7 @@ def _numbered_texts(metadata: pq.FileMetaData) -> list[str]:
 
 
 def _text_bytes(metadata: pq.FileMetaData, names: Collection[str]) -> int:
-    """What the texts of these columns take as they are stored, unpacked."""
+    """Return the size in bytes of the texts of these columns, as stored but uncompressed."""
     groups = (metadata.row_group(i) for i in range(metadata.num_row_groups))
     chunks = (group.column(i) for group in groups for i in range(group.num_columns))
     return sum(
@@ -199,7 +199,7 @@ def _holds_text(kind: pa.DataType) -> bool:
 
 
 def is_text(kind: pa.DataType) -> bool:
-    """Whether values of this type are texts."""
+    """Whether values of this type are text."""
     return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind))
 
 
@@ -209,18 +209,18 @@ def _short(text: str) -> str:
 
 
 def _is_plain(column: pa.ChunkedArray) -> bool:
-    """Whether the values are numbers as arrays have them, none missing."""
+    """Whether the values are numbers that an array can hold, without missing ones."""
     kind = column.type
     is_number = pa.types.is_integer(kind) or pa.types.is_floating(kind)
     return is_number and not pa.types.is_float16(kind) and column.null_count == 0
 
 
 def main() -> None:
-    """Answer requests until there are no more: (state, value, types), or the text of an error.
+    """Answer requests until there are no more by (state, value, types), or an error's text.
 
-    The types are those of columns that follow the answer, each with its number of rows, by place.
+    The types and numbers of rows, by index, belong to columns that follow the answer.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # ^C is for whoever asks, and ends us too
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles ^C, and ends this process
     requests, answers = sys.stdin.buffer, sys.stdout.buffer
     table: ParquetTable | None = None
     while True:
@@ -232,7 +232,7 @@ def main() -> None:
         plain: dict[int, pa.ChunkedArray] = {}
         try:
             if content is not None:
-                table = None  # that of before goes first
+                table = None  # frees the previous table first
                 table = ParquetTable(content)
                 answer = ("fine", table.names, {})
             else:

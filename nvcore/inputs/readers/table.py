@@ -1,4 +1,4 @@
-"""A table in memory with the columns of plain CSV, read as such a file would be."""
+"""Read a table in memory with the columns of plain CSV, as if it were such a file."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ from nvcore.schema import BOX_DTYPES, TABLE_ENDING, categories_of
 from nvcore.wording import shortened
 
 ONLY_RECORDING: Final = "recording"
-"""Name of the recording of a table of truth that names none."""
+"""Name of the recording of a truth table without recording names."""
 
 
 def table_as_file(name: str) -> SourceFile:
-    """A stand-in for the file of a table, where files are listed and named in errors."""
+    """Make a stand-in for the file of a table, for lists of files and errors."""
     return SourceFile(Path(), name + TABLE_ENDING)
 
 
 def read_table(table: pd.DataFrame, file: SourceFile, options: ReadOptions) -> Reading:
     """Read a table whose columns are named as in plain CSV: frame, x, y, w, h, and more.
 
-    Without a column for the recording it is one recording, that of the truth.
+    Without a column for the recording, the table is a single recording, that of the truth.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def read_table(table: pd.DataFrame, file: SourceFile, options: ReadOptions) -> R
     Raises
     ------
     FormatError
-        With the row, counted from 0, of what is no number.
+        If a cell is not a number, with the row from 0.
     """
     header = header_of([str(name).strip() for name in table.columns])
     if "recording" not in header.place and "frame" in header.place:
@@ -76,7 +76,7 @@ def read_table(table: pd.DataFrame, file: SourceFile, options: ReadOptions) -> R
 
 
 def with_row(finding: Finding) -> Finding:
-    """The finding with the row, counted from 0, where its example has a line."""
+    """Replace the line in a finding's example by the row, counted from 0."""
     return replace(
         finding,
         example=re.sub(r"^line (\d+)", lambda line: f"row {int(line[1]) - 1}", finding.example),
@@ -90,12 +90,12 @@ def parse_columns(
     header: Header,
     names: Sequence[str],
 ) -> tuple[pd.DataFrame, np.ndarray, bool]:
-    """The wanted columns, as `nvcore.inputs.readers.csv_columns.read_columns` gives them.
+    """Convert columns like `nvcore.inputs.readers.csv_columns.read_columns`.
 
     Raises
     ------
     FormatError
-        With the row, counted from 1, of what is no number.
+        If a cell is not a number, with the row from 1.
     """
     columns = {}
     for name in names:
@@ -116,7 +116,7 @@ def parse_columns(
 
 
 def _texts(column: pd.Series) -> pd.Series:
-    """The column as text, empty where missing."""
+    """Convert a column to text, empty where missing."""
     if isinstance(column.dtype, pd.CategoricalDtype):  # each distinct text once
         codes = column.cat.codes.to_numpy()
         texts = [str(text).strip() for text in column.cat.categories]
@@ -154,7 +154,7 @@ def _claims(column: pd.Series, title: str, file: SourceFile) -> pd.Series:
 
 
 def _whole(column: pd.Series) -> pd.Series | None:
-    """Track ids as int64 or float64; None if some are not whole, or too large to be exact."""
+    """Convert track ids to int64 or float64, or return None unless all are exact integers."""
     if not pd.api.types.is_numeric_dtype(column):
         return None
     ids = column if column.dtype == np.int64 else column.astype("float64")
@@ -171,7 +171,7 @@ def _refuse(is_odd: np.ndarray, expected: str, column: pd.Series, file: SourceFi
 
 
 def _no_files(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Stands for a reader of files, of which there are none."""
+    """Raise AssertionError, in place of a reader of files."""
     raise AssertionError(f"a table is read by read_table: {files}, {options}")
 
 
@@ -183,4 +183,4 @@ FORMAT: Final = Format(
     recognise=lambda _name, _head, _role: False,
     read=_no_files,
 )
-"""No member of the registry: no file is of this format."""
+"""Format that is not in the registry, since files cannot have it."""

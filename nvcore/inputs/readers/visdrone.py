@@ -45,13 +45,13 @@ CLASSES: Final = dict(
 )
 NAMES: Final[Mapping[str, str]] = {str(number): name for number, name in CLASSES.items()}
 LAYOUT: Final = TextLayout((8, 9), "left,top,width,height,score,class,truncation,occlusion")
-"""Of DET; some of its files end each row with a comma."""
+"""Layout of DET. In some files each row ends with a comma."""
 
 
 def are_visdrones(kind: np.ndarray, truncation: np.ndarray, occlusion: np.ndarray) -> bool:
     """Whether three columns are VisDrone's class, truncation and occlusion (-1: not given).
 
-    MOT15 has world coordinates there, which are -1 or no such numbers.
+    In MOT15 these are world coordinates, which are -1 or not whole numbers in this range.
     """
     return bool(
         np.isin(kind, [*CLASSES]).all()
@@ -61,9 +61,9 @@ def are_visdrones(kind: np.ndarray, truncation: np.ndarray, occlusion: np.ndarra
 
 
 def recognise(_name: str, head: str, _role: Role) -> bool:
-    """Whether the rows have 8 numbers, the last four of them VisDrone's.
+    """Whether rows have 8 numbers, of which the last four are VisDrone's.
 
-    MOTChallenge's 8 columns have the width of a box where the score would be.
+    In MOTChallenge's 8 columns, the column of the score is the width of a box.
     """
     if not LAYOUT.fits(head):
         return False
@@ -73,9 +73,9 @@ def recognise(_name: str, head: str, _role: Role) -> bool:
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Read VisDrone-DET files, one per picture; a file without boxes is an evaluated frame.
+    """Read VisDrone-DET files, one per picture. Files without boxes are evaluated frames, too.
 
-    Pixels are 0-based and kept. In truth, a score of 0 makes an ignore region.
+    Pixels are 0-based and kept. In truth, a score of 0 marks an ignore region.
     """
     named = listed_frames(files, options)
     table = stacked([read_numbers(file, LAYOUT) for file in files])

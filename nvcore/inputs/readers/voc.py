@@ -36,22 +36,22 @@ from nvcore.inputs.readers.parse.xml import Element, is_true, read_elements, roo
 CORNERS: Final = ("xmin", "ymin", "xmax", "ymax")
 SCORES: Final = ("score", "confidence")
 _SIZES: Final = ("bndbox/x", "bndbox/y", "bndbox/w", "bndbox/h")
-"""In place of corners in KAIST's own XML: 0-based, as in its text."""
+"""Fields of KAIST's own XML instead of corners, 0-based as in its text format."""
 _COLUMNS = ("file", "line", *CORNERS, "difficult", "occluded", "score")
 
 
 def recognise(_name: str, head: str, _role: Role) -> bool:
-    """Whether the outermost element is ``<annotation>``, and it is not LabelMe's."""
+    """Whether the root element is ``<annotation>``, and not that of LabelMe."""
     return root_of(head) == "annotation" and foreign_format(head) is None
 
 
 @dataclass
 class _Objects:
-    """The objects of all files, before the classes are sorted."""
+    """Objects of all files, before the classes are sorted."""
 
     base: int = 1
     n_fractions: int = 0
-    """Corners written with a decimal point."""
+    """Number of corners with a decimal point."""
     numbers: array[float] = field(default_factory=lambda: array("d"))
     label: list[str] = field(default_factory=list)
     shapes: list[tuple[str, int, int]] = field(default_factory=list)
@@ -61,12 +61,11 @@ class _Objects:
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Read Pascal VOC files, one per picture; a file without objects is an evaluated frame.
+    """Read Pascal VOC files, one per picture. Files without objects are evaluated frames, too.
 
-    Corners are inclusive pixels counted from 1, as VOC defines them; with ``box_base=0``, or where
-    most have a decimal point, they are edges counted from 0, as many other programs write them;
-    KAIST's x, y, w, h are kept.
-    Difficult objects are ignore regions.
+    Corners are inclusive pixels counted from 1, as VOC defines them. With ``box_base=0``, or if
+    most have a decimal point, they are edges counted from 0, as many other programs write them.
+    KAIST's x, y, w, h are kept. Difficult objects are ignore regions.
     """
     named = listed_frames(files, options)
     objects = _Objects(1 if options.box_base is None else options.box_base)
@@ -74,7 +73,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     for position, file in enumerate(files):
         _read_one(file, position, objects)
     table = np.frombuffer(objects.numbers, dtype=np.float64).reshape(-1, len(_COLUMNS))
-    # the number of a pixel is whole: CVAT and Datumaro write edges, "60.0"
+    # pixel numbers are whole, while CVAT and Datumaro write edges such as "60.0"
     usual_base = 0 if objects.n_fractions > len(table) * len(CORNERS) / 2 else 1
     base = usual_base if options.box_base is None else options.box_base
     column = {name: table[:, i] for i, name in enumerate(_COLUMNS)}
@@ -102,7 +101,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         options.role,
         lambda picture: (files[picture].name, ""),
     )
-    # what a file that counts pixels from 1 cannot have
+    # impossible in a file that counts pixels from 1
     is_before_first = choice.keep & ((x == -base) | (y == -base)) & (base != 0)
     findings = [
         *rows_finding(
@@ -144,14 +143,14 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 
 
 def _read_one(file: SourceFile, index: int, objects: _Objects) -> None:
-    """Append the objects of one file; parts of objects (heads, hands) are passed over."""
+    """Append the objects of one file, except parts of objects (heads, hands)."""
     facts: dict[str, Element] = {}
     size = {"width": float("nan"), "height": float("nan")}
     for element in read_elements(file, root="annotation"):
         path = element.path.removeprefix("annotation/")
         if path in ("size/width", "size/height"):
             value = element.number(element.text, path)
-            # some programs write 0 for a size that they do not know
+            # some programs write 0 for an unknown size
             size[path.removeprefix("size/")] = value if value > 0 else float("nan")
         elif path == "object":
             _add_object(element, facts, index, objects)
@@ -162,7 +161,7 @@ def _read_one(file: SourceFile, index: int, objects: _Objects) -> None:
 
 
 def _add_object(element: Element, facts: dict[str, Element], index: int, objects: _Objects) -> None:
-    """Append an object by the elements in it, or its label where it has no box."""
+    """Append an object from its elements, or only its label if it has no box."""
     if "name" not in facts:
         raise element.fault("expected <object> with a <name>")
     label = facts["name"].text

@@ -1,4 +1,4 @@
-"""YOLO text: one file per picture, rows of class, middle and size in shares of the picture."""
+"""YOLO text: one file per picture, rows of class, centre and size in shares of the picture."""
 
 from __future__ import annotations
 
@@ -49,16 +49,16 @@ from nvcore.wording import shortened
 
 LAYOUT = TextLayout((5, 6, 7), "class x y width height [confidence]", delimiter=" ")
 MAX_SHARE: Final = 2.0
-"""Largest coordinate, in shares of the picture, that can be a box that sticks out of it."""
+"""Largest coordinate, in shares of the picture, of boxes that extend beyond it."""
 _INSIDE: Final = 0.01
-"""How far a box may stick out of the picture and still count as inside it."""
+"""Share of the picture by which a box inside it may extend beyond it."""
 _OTHER_FILES = re.compile(r".*\.ya?ml|(?:train|val|valid|test)\.txt|.*\.data|.*\.cache")
 
 
 def recognise(name: str, head: str, _role: Role) -> bool:
-    """Whether the rows are a class number and 4 to 6 numbers, the first four of them shares.
+    """Whether rows are a class number and 4 to 6 numbers, of which the first four are shares.
 
-    A list of class names is YOLO's, too: in its folder it comes before the first picture's file.
+    A list of class names matches, too, since it may precede the first picture's file in a folder.
     """
     if _is_extra(name):
         return is_class_file(name)
@@ -80,7 +80,7 @@ def recognise(name: str, head: str, _role: Role) -> bool:
 
 @dataclass(frozen=True)
 class _Fields:
-    """Fields of all rows by what they hold, inferred from the content."""
+    """Fields of all rows by their meaning, which is inferred from the content."""
 
     middle_and_size: list[np.ndarray]
     score: np.ndarray
@@ -92,11 +92,11 @@ class _Fields:
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Read YOLO text files, one per picture; an empty file is an evaluated frame.
+    """Read YOLO text files, one per picture. Empty files are evaluated frames, too.
 
     The classes named as pedestrians in a file beside the labels count, or the only class.
-    The confidence is the last field (Ultralytics) or the second (review_object_detection_metrics):
-    inferred from which of the two readings leaves the boxes inside the picture.
+    The confidence is the last field (Ultralytics) or the second (review_object_detection_metrics),
+    whichever keeps the boxes inside the picture.
     """
     frames = [file for file in files if not _is_extra(file.name)]
     position = np.array([i for i, file in enumerate(files) if not _is_extra(file.name)], np.int64)
@@ -121,7 +121,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     by_number = names_of_numbers(counts, own, options, "list")
     by_class = choose_categories(counts, by_number, options, file=frames[0].name)
     choice = choice_of_rows(numbered, by_class)
-    # a number alone tells no class from another file's
+    # a number alone does not identify a class across files
     label = object_array([by_number.names.get(key, "") for key in numbered.keys])[numbered.codes]
     width, height = options.size
     x, y, w, h = fields.middle_and_size
@@ -159,16 +159,16 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 
 
 def _is_extra(name: str) -> bool:
-    """Whether the file is no picture's: names of classes, lists of files, settings."""
+    """Whether the file is not of a picture: names of classes, lists of files, settings."""
     return is_class_file(name) or _OTHER_FILES.fullmatch(last_part(name)) is not None
 
 
 def _rows_of(frames: Sequence[SourceFile]) -> tuple[NumberTable, bool]:
-    """Rows of all files, and whether some were polygons, which become the boxes around them."""
+    """Read rows of all files, with boxes around polygons, and whether there are polygons."""
     try:
         table = stacked([read_numbers(frame, LAYOUT) for frame in frames])
         last = table.columns[-1][~np.isnan(table.columns[-1])]
-        # three corners, and no track id
+        # three corners without a track id
         has_polygons = bool(np.any(last != np.floor(last)) and np.all(last <= 1))
     except FormatError:
         if not any(_is_polygon(line.split()) for f in frames for line in read_text(f).splitlines()):
@@ -182,7 +182,7 @@ def _is_polygon(fields: Sequence[str]) -> bool:
 
 
 def _around_polygons(file: SourceFile) -> NumberTable:
-    """As `read_numbers`, with rows of a class, corners x y x y ... and perhaps a confidence."""
+    """Read rows of a class, corners x y x y ..., and an optional confidence, as boxes."""
     rows, lines = [], []
     for line, text in enumerate(read_text(file).splitlines(), 1):  # of any number of corners
         numbers = [number_of(field) for field in text.split()]
@@ -203,7 +203,7 @@ def _around_polygons(file: SourceFile) -> NumberTable:
 
 
 def _check_shares(table: NumberTable) -> None:
-    """Raise FormatError for the first row with a coordinate that can be no share."""
+    """Raise FormatError for the first row with a coordinate that cannot be a share."""
     values = np.column_stack(table.columns[1:5])
     with np.errstate(invalid="ignore"):
         is_wrong = np.abs(values) > MAX_SHARE
@@ -217,7 +217,7 @@ def _check_shares(table: NumberTable) -> None:
 
 
 def _identified(table: NumberTable, options: ReadOptions) -> _Fields:
-    """Which fields are the box, the confidence and the track id."""
+    """Identify the fields of the box, the confidence and the track id."""
     second, third, fourth, fifth, sixth, seventh = table.columns[1:]
     box, score, track = [second, third, fourth, fifth], sixth, seventh
     has_sixth, has_seventh = ~np.isnan(sixth), ~np.isnan(seventh)
@@ -236,7 +236,7 @@ def _identified(table: NumberTable, options: ReadOptions) -> _Fields:
         shifted = [third, fourth, fifth, sixth]
         n_second = _n_outside([column[has_sixth] for column in shifted])
         if n_second < n_last:
-            # rows of five fields have no confidence and keep their places
+            # rows of five fields have no confidence, so they keep their positions
             box = [np.where(has_sixth, s, b) for s, b in zip(shifted, box, strict=True)]
             score = np.where(has_sixth, second, np.nan)
         facts.append(f"confidence in the {'second' if n_second < n_last else 'last'} field")
@@ -265,12 +265,12 @@ def _identified(table: NumberTable, options: ReadOptions) -> _Fields:
 
 
 def _are_ids(values: np.ndarray) -> bool:
-    """Whether a last field is a track id, as trackers write it: whole numbers, some above 1."""
+    """Whether the last field is a tracker's id: whole numbers, some above 1."""
     return bool(np.all(values == np.floor(values)) and values.max() > 1)
 
 
 def _n_outside(box: Sequence[np.ndarray]) -> int:
-    """How many boxes stick out of the picture or have no area."""
+    """Count boxes that extend beyond the picture or have no area."""
     x, y, w, h = box
     with np.errstate(invalid="ignore"):
         inside = (

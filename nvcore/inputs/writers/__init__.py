@@ -1,4 +1,4 @@
-"""Readings written as plain CSV, Parquet, COCO or MOTChallenge text, for ``nvcore convert``."""
+"""Write readings as plain CSV, Parquet, COCO or MOTChallenge text, for ``nvcore convert``."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 
 _CODECS: Final = {".gz": "gzip", ".bz2": "bz2", ".zst": "zstd"}
 FORMATS: Final = ("csv", "parquet", "coco", "mot")
-"""What `write` can write."""
+"""Formats that `write` supports."""
 
 _BY_SUFFIX: Final = {
     ".csv": "csv",
@@ -45,12 +45,12 @@ VISIBLE_SHARE: Final = {0: 1.0, 1: 0.8, 2: 0.4, UNKNOWN_OCCLUSION: -1.0}
 
 
 def format_by_name(path: Path) -> str:
-    """The format to write that the ending of a file's name asks for.
+    """Return the format for the ending of a file's name.
 
     Raises
     ------
     UnknownFormatError
-        If it asks for none.
+        If no format has this ending.
     """
     suffix = suffix_of(path)
     if suffix not in _BY_SUFFIX:
@@ -78,25 +78,25 @@ def write(
     Parameters
     ----------
     reading
-        What is written; its boxes are in the convention of docs/formats.md.
+        Reading to write, with boxes in the convention of docs/formats.md.
     format_name
         ``csv`` and ``parquet`` keep all but the list of evaluated frames and the sizes. ``coco``
-        keeps those of the truth, too; boxes without coordinates it cannot hold. ``mot`` has no
+        also keeps these for the truth, but cannot hold boxes without coordinates. ``mot`` has no
         classes, no distances and no frame list.
     path
-        File to write, packed if its name ends so; for ``mot`` with several recordings a folder of
-        one file per recording.
+        File to write, compressed if its ending says so. For ``mot`` with several recordings, a
+        folder with one file per recording.
     role
-        Whether the reading is truth or detections.
+        Truth or detections.
     truth
-        The ground truth, for COCO results: detections then name their image and their category by
-        its ids. Without it by recording and frame, as a file name, and of one class only.
+        Ground truth whose ids COCO results use for their images and categories. Without it, they
+        name images by recording and frame, and may have only one class.
     objects
-        What the boxes are of: several classes are named so that they are read as these again.
+        Kind of the objects. Several classes are named so that they are read as the same ones.
     inputs
-        Files that are never written over.
+        Files that are never overwritten.
     force
-        Whether other files that exist are replaced.
+        Whether to overwrite other existing files.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def write(
     UnknownFormatError
         If no writer has the name.
     InputError
-        If a file cannot be written or exists, or the format cannot hold what is to be written.
+        If a file cannot be written or exists, or the format cannot hold the reading.
     """
     writers: dict[str, Callable[[], dict[Path, bytes]]] = {
         "csv": lambda: {path: to_csv_bytes(_table(reading, role, objects), digits=None)},
@@ -132,15 +132,15 @@ def write_frame_lists(
     inputs: Sequence[Path] = (),
     force: bool = False,
 ) -> list[Path]:
-    """Write evaluated frames as the text files that ``--frames`` reads: one number a line.
+    """Write evaluated frames as text files for ``--frames``, with one number per line.
 
     Parameters
     ----------
     frames
         Frame numbers by recording.
     path
-        File to write, if all recordings have the same frames. Else a folder of one file per
-        recording and ``recordings.toml``, the part of a session file that names them.
+        File to write, if all recordings have the same frames. Otherwise a folder with one file per
+        recording and ``recordings.toml``, the part of a session file that names the files.
     inputs, force
         See `write`.
 
@@ -169,7 +169,7 @@ def write_frame_lists(
 
 
 def _write_files(contents: dict[Path, bytes], inputs: Sequence[Path], force: bool) -> list[Path]:
-    """Write all of them, or none if one must not be written over."""
+    """Write all files, or none if one must not be overwritten."""
     for target in contents:
         exists = target.is_file()
         if exists and any(path.is_file() and target.samefile(path) for path in inputs):
@@ -183,7 +183,7 @@ def _write_files(contents: dict[Path, bytes], inputs: Sequence[Path], force: boo
 
 
 def _table(reading: Reading, role: Role, objects: Objects) -> pd.DataFrame:
-    """The boxes with the columns of plain CSV; what is unknown is missing."""
+    """Convert boxes to the columns of plain CSV, with unknown values missing."""
     left_aside = "score" if role == "truth" else "ignore"
     table = reading.boxes[[name for name in CSV_COLUMNS if name != left_aside]]
     table = table.assign(
@@ -200,7 +200,7 @@ def _table(reading: Reading, role: Role, objects: Objects) -> pd.DataFrame:
 
 
 def _mot_files(reading: Reading, path: Path, role: Role) -> dict[Path, bytes]:
-    """A reading as a file, or of several recordings as one for each in the folder `path`."""
+    """Serialize a reading as one file, or as one per recording in the folder `path`."""
     boxes = reading.boxes
     columns: dict[str, object] = {
         "frame": boxes["frame"],
@@ -233,7 +233,7 @@ def _mot_files(reading: Reading, path: Path, role: Role) -> dict[Path, bytes]:
 
 
 def safe_names(names: list[str]) -> list[str]:
-    """File names of recordings: no folders, no hidden files, no two the same."""
+    """Make unique file names of recordings, without folders and hidden files."""
     names_in_use: set[str] = set()
     safe = []
     for name in names:
@@ -247,7 +247,7 @@ def safe_names(names: list[str]) -> list[str]:
 
 
 def packed_as(name: str, content: bytes) -> bytes:
-    """The content, packed by gzip, bzip2, xz or Zstandard if the name ends so."""
+    """Compress the content by gzip, bzip2, xz or Zstandard if the ending of the name says so."""
     ending = name[name.rfind(".") :].lower()
     if ending == ".xz":
         return lzma.compress(content)

@@ -1,4 +1,4 @@
-"""Readings written as COCO: truth, or results; classes by names that readers take for the same."""
+"""Write readings as COCO truth or results, with names of classes that readers know."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PERSON = "person"
 
 
 def attribute_texts(reading: Reading) -> np.ndarray:
-    """Attributes of each box, missing where it has none; object, shape (n,)."""
+    """Return the attributes of each box, NaN if it has none. Object, shape (n,)."""
     places = reading.boxes[["file", "line"]]
     if reading.attributes is None:
         return np.full(len(places), np.nan, dtype=object)
@@ -29,7 +29,7 @@ def attribute_texts(reading: Reading) -> np.ndarray:
 
 
 def coco_bytes(reading: Reading, role: Role, truth: Reading | None, objects: Objects) -> bytes:
-    """A reading as a COCO document; `truth` as of `nvcore.inputs.writers.write`.
+    """Serialize a reading as COCO. For `truth` see `nvcore.inputs.writers.write`.
 
     Raises
     ------
@@ -118,13 +118,13 @@ def _coco_results(
 
 
 def _known(column: pd.Series, unknown: int | None = None) -> pd.Series:
-    """The column, with None in place of numbers that are not finite, or of this one."""
+    """Replace numbers of a column that are not finite, or equal `unknown`, by None."""
     is_known = np.isfinite(column) if unknown is None else column != unknown
     return column.astype(object).where(is_known, None)
 
 
 def _rows(columns: Mapping[str, object], index: pd.Index) -> list[dict[str, object]]:
-    """JSON objects, one a row, without what is missing."""
+    """Convert columns to one JSON object per row, without missing values."""
     table = pd.DataFrame(columns, index=index).astype(object)
     rows = table.where(table.notna(), None).itertuples(index=False, name=None)
     return [
@@ -134,7 +134,7 @@ def _rows(columns: Mapping[str, object], index: pd.Index) -> list[dict[str, obje
 
 
 def _image_list(reading: Reading) -> pd.DataFrame:
-    """The evaluated images, numbered from 1 where the reading has no numbers of its own."""
+    """Return the evaluated images, numbered from 1 unless the reading has its own ids."""
     images = reading.images
     if images is None:
         listed_frames = own_frames(reading, reading.recordings["name"])
@@ -145,7 +145,7 @@ def _image_list(reading: Reading) -> pd.DataFrame:
 
 
 def _ids(boxes: pd.DataFrame, images: pd.DataFrame) -> list[object]:
-    """Image id of every box."""
+    """Return the image id of every box."""
     keys = ["recording", "frame"]
     listed = images[[*keys, "image_id"]].astype({"image_id": object})
     image_id = boxes[keys].merge(listed, how="left", on=keys)["image_id"]
@@ -165,7 +165,7 @@ def _file_name(recording: str, frame: int) -> str:
 
 
 def _facts_of(facts: pd.DataFrame, recording: str, names: tuple[str, ...]) -> dict[str, object]:
-    """What is known of a recording, whole numbers as such."""
+    """Return the known facts of a recording, with whole numbers as int."""
     if recording not in facts.index:
         return {}
     values = facts.loc[recording, list(names)].to_numpy(dtype=float).tolist()
@@ -177,9 +177,9 @@ def _facts_of(facts: pd.DataFrame, recording: str, names: tuple[str, ...]) -> di
 
 
 def class_names(reading: Reading, objects: Objects) -> np.ndarray | None:
-    """Name of the class of each box, object, (n,); None: there are not several classes.
+    """Return the class name of each box, object, (n,), or None unless there are several.
 
-    Boxes without a class have the objects' own name, which counts, too.
+    Boxes without a class get the name of the objects, which counts, too.
     """
     if len(reading.labels) < 2:
         return None
@@ -189,7 +189,7 @@ def class_names(reading: Reading, objects: Objects) -> np.ndarray | None:
 
 
 def categories(reading: Reading, objects: Objects) -> tuple[dict[str, int], np.ndarray]:
-    """COCO's categories of the truth: their ids by name, and the id of each box, (n,)."""
+    """Return COCO's category ids of the truth by name, and the id of each box, (n,)."""
     ids = {PERSON if objects.are_pedestrians else objects.singular: 1}
     of_label = []
     for label in reading.labels:
@@ -201,13 +201,13 @@ def categories(reading: Reading, objects: Objects) -> tuple[dict[str, int], np.n
 
 
 def category_ids(reading: Reading, truth: Reading | None, objects: Objects) -> list[int | str]:
-    """The truth's category of each box of COCO results, (n,); 1 where there is only one class.
+    """Return the truth's category id of each box of COCO results, or 1 for a single class.
 
     Raises
     ------
     InputError
-        If the truth has categories but none for one of the classes; or if there are several
-        classes, and the truth is not given.
+        If the truth has categories but none for one of the classes, or if there are several
+        classes and the truth is not given.
     """
     ids: dict[str, int | str] = {}
     if truth is not None and truth.numbering == "coco" and truth.categories:
@@ -237,6 +237,6 @@ def _class_name(label: str, objects: Objects) -> str:
 
 
 def _places(reading: Reading) -> np.ndarray:
-    """Place of each box's label; that of boxes without one is the last."""
+    """Return the index of each box's label, one past the last for boxes without a label."""
     label = reading.boxes["label"].to_numpy()
     return np.where(label == NO_LABEL, len(reading.labels), label)

@@ -63,7 +63,7 @@ from nvcore.inputs.readers.parse.unknown import foreign_format
 _FIELDS = re.compile(r'"bbox"\s*:')
 _IMAGE = re.compile(rf'"(?:image_id|{"|".join(NAME_KEYS)})"\s*:')
 MOST_COMPARED: Final = 1000
-"""Results that are held against the truth's boxes where ids can be understood in two ways."""
+"""Number of results that are compared with the truth's boxes if ids are ambiguous."""
 KIND: Final = "category_name"
 """Field in which SAHI and others name the category beside its id."""
 _WRAPPED = re.compile(r'"annotations"\s*:\s*\[')
@@ -80,7 +80,7 @@ def recognise(_name: str, head: str, _role: Role) -> bool:
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Read COCO results; images are those of the truth, or of the file where it lists its own."""
+    """Read COCO results by the truth's image list, or by the file's own if it has one."""
     return read_files(files, options, _read_part)[0]
 
 
@@ -155,12 +155,12 @@ def _read_part(file: SourceFile, number: int, options: ReadOptions) -> FilePart:
 def _choice(
     keys: pd.Series, own: Mapping[str, str], file: SourceFile, options: ReadOptions
 ) -> tuple[CategoryChoice, ClassNames]:
-    """Which categories count, by the names that the file or the truth gives their ids."""
+    """Choose the categories that count, by their names in the file or in the truth."""
     counts: dict[Any, int] = keys.value_counts().to_dict()
     theirs = options.names_for("coco")
     named = ClassNames(own) if own else ClassNames(theirs, "the ground truth" if theirs else "")
     unknown = counts.keys() - named.names.keys()
-    # an only id may be any number where the truth has nothing else to detect
+    # a single id may be any number if the truth has no other kind of objects
     others = [name for name in named.names.values() if not options.objects.concerns(name)]
     if named.names and len(counts) == 1 and unknown and not others and options.classes is None:
         named = ClassNames()
@@ -210,7 +210,7 @@ def _may_be_shifted(unknown: Iterable[str], present: Iterable[str], names: Colle
 
 @dataclass(frozen=True)
 class _Places:
-    """Recording, frame and whether it is known, of every result; and how it was found."""
+    """Recording and frame of every result, with a text on how they were found."""
 
     recording: np.ndarray
     frame: np.ndarray
@@ -226,7 +226,7 @@ def _places(
     images: pd.DataFrame | None,
     options: ReadOptions,
 ) -> _Places:
-    """Where the results are: by the names of their pictures, else by image_id."""
+    """Find the frames of results by the names of their pictures, else by image_id."""
     ids, pictures = columns.image_id, columns.picture
     by_name = None if pictures is None else _places_by_name(pictures, file, images, options)
     if by_name is not None and by_name.is_known.all() and _are_ids_repeated(images):
@@ -267,7 +267,7 @@ def _places(
         return by_id
     is_same = (by_id.recording == by_stem.recording) & (by_id.frame == by_stem.frame)
     if n_by_stem == n_by_id and not is_same.all() and options.boxes is not None:
-        # both ways are open to every result: the boxes tell which is meant
+        # both interpretations apply to every result, so the boxes decide
         fits = [_fit(columns.box, places, is_wanted, options.boxes) for places in (by_id, by_stem)]
         if fits[1] > fits[0]:
             return replace(by_stem, fact=f"{by_stem.fact}, as the boxes fit so")
@@ -278,7 +278,7 @@ def _places(
 def _places_by_id(
     ids: pd.Series, file: SourceFile, images: pd.DataFrame | None, options: ReadOptions
 ) -> _Places:
-    """By the image list; text that is no id of it is the name of a picture."""
+    """Find frames by the ids of the image list. Other text is the name of a picture."""
     if images is None and options.named is not None and not is_integer_dtype(ids.dtype):
         return _places_by_name(ids, file, images, options)
     if images is None:
@@ -288,7 +288,7 @@ def _places_by_id(
             file=file.name,
         )
     if _are_ids_repeated(images):
-        # the truth is several files with ids of their own: the file's name must say which
+        # the truth has several files with ids of their own: the file's name must identify one
         if not is_integer_dtype(ids.dtype):
             by_name = _places_by_name(ids, file, images, options)
             if by_name.is_known.all():
@@ -307,19 +307,19 @@ def _places_by_id(
 
 
 def _are_ids_repeated(images: pd.DataFrame | None) -> bool:
-    """Whether the truth is several files that number their images alike."""
+    """Whether the truth has several files that use the same image ids."""
     return images is not None and bool(images["image_id"].duplicated().any())
 
 
 def _has_numeric_names(images: pd.DataFrame | None) -> bool:
-    """Whether pictures may be called by a number alone, by the first of them: lists are long."""
+    """Whether the first picture, and so probably all, may be named by a number alone."""
     if images is None or images.empty or "file_name" not in images:
         return False
     return plain_name(str(images["file_name"].iloc[0])).rpartition("/")[2].isdecimal()
 
 
 def _places_by_stem(ids: pd.Series, images: pd.DataFrame | None) -> _Places:
-    """By names of pictures that an image_id holds: 12 or "000012" for 000012.jpg."""
+    """Find frames by ids that are names of pictures: 12 or "000012" for 000012.jpg."""
     codes, texts = pd.factorize(ids.map(id_text))
     row = np.full(len(texts), -1)
     if images is not None and "file_name" in images:
@@ -338,7 +338,7 @@ def _places_by_stem(ids: pd.Series, images: pd.DataFrame | None) -> _Places:
 
 
 def _fit(box: np.ndarray, places: _Places, rows: np.ndarray, truth: pd.DataFrame) -> float:
-    """Mean IoU of results with the truth's best box of their frame, 0..1; of some of them."""
+    """Estimate the mean best IoU of results with the truth of their frame, 0 to 1."""
     rows = np.flatnonzero(rows & places.is_known)
     rows = rows[:: max(1, len(rows) // MOST_COMPARED)]
     here = pd.DataFrame(box[rows], columns=["x", "y", "w", "h"])
@@ -349,7 +349,7 @@ def _fit(box: np.ndarray, places: _Places, rows: np.ndarray, truth: pd.DataFrame
 def _places_by_name(
     pictures: pd.Series, file: SourceFile, images: pd.DataFrame | None, options: ReadOptions
 ) -> _Places:
-    """By file names: those of the image list, or parsed."""
+    """Find frames by file names in the image list, or parse the names."""
     fact = "recording and frame from the pictures' names"
     if images is not None and "file_name" in images:
         codes, names = pd.factorize(pictures)
@@ -368,7 +368,7 @@ def _places_by_name(
 
 @dataclass(frozen=True)
 class ResultColumns:
-    """What is taken of the results, one entry each; None for a field that no result has.
+    """Columns of the results, with one entry per result, or None if no result has the field.
 
     Attributes
     ----------
@@ -385,7 +385,7 @@ class ResultColumns:
     kind
         Name of the category beside its id, text.
     names
-        Names of the categories by their ids as text, where the file lists them.
+        Names of the categories by their ids as text, if the file lists them.
     images
         The file's own image list.
     """
@@ -405,10 +405,10 @@ class ResultColumns:
 
 
 def _fast(file: SourceFile) -> ResultColumns | None:
-    """A plain list by pyarrow, four times as fast; None where the careful parser must look.
+    """Read a plain list by pyarrow, four times as fast, or return None to use `_careful`.
 
-    Pyarrow reads one object a line, so the commas between the objects become line ends. Where
-    that is not all there is to it (such a comma in a text, an unusual type), pyarrow refuses.
+    Pyarrow reads one object per line, so the commas between objects are replaced by line ends.
+    Pyarrow refuses files where this is not enough, such as with an unusual type.
     """
     content = read_bytes(file).strip()
     if not content.startswith(b"[") or not content.endswith(b"]"):
@@ -471,11 +471,11 @@ _USUAL: Final[dict[str, tuple[type, ...]]] = {
     "track_id": (int, str),
     KIND: (str,),
 }
-"""Types of the fields that are taken; that of a field which the first record lacks comes first."""
+"""Types of the fields. The first type is the default if the first record lacks the field."""
 
 
 def _schema(first: object) -> pa.Schema | None:
-    """Types of the fields that are taken, from the first record; None if it is not usual."""
+    """Infer the types of fields from the first record, or return None if it is unusual."""
     if not (isinstance(first, dict) and "bbox" in first):
         return None
     types = {name: type(first.get(name, usual[0]())) for name, usual in _USUAL.items()}
@@ -488,7 +488,7 @@ def _schema(first: object) -> pa.Schema | None:
 
 
 def _careful(file: SourceFile, options: ReadOptions) -> ResultColumns:
-    """The records one by one."""
+    """Read the records one by one."""
     document = read_json(file)
     own, key = None, ""
     names: dict[str, str] = {}

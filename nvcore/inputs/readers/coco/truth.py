@@ -67,17 +67,17 @@ NAME_KEYS = ("file_name", "im_name", "filename", "image_name", "image_filepath")
 FRAME_KEYS = ("frame_index", "frame_id", "frame_number", "frame")
 VIDEO_KEYS = ("video_id", "recording_id", "recordings_id")
 _TASKS = ("instances", "person_keypoints", "stuff", "panoptic", "captions", "labels", "image_info")
-"""Beginnings of names, ``instances_val2017.json``: the same pictures for another task each."""
+"""Prefixes of files such as ``instances_val2017.json``, with the same pictures for each task."""
 _TASK_FILE = re.compile(rf"(?P<folder>(?:.*/)?)(?P<task>{'|'.join(_TASKS)})_(?P<subset>.+)")
 TRACK_KEYS = ("track_id", "target_id", "instance_id", "tracking_id")
 _LIST = re.compile(r'"(?:images|annotations|categories)"\s*:\s*\[')
-_VISIBLE_IF_OCCLUDED = 0.5  # NightOwls' own reading of its yes-or-no field
+_VISIBLE_IF_OCCLUDED = 0.5  # NightOwls' interpretation of its yes-or-no field
 CROWD: Final = "iscrowd"
-"""Field of regions with several objects; among the classes that count it lets these count, too."""
+"""Field of regions with several objects. As a class that counts, it lets them count, too."""
 _LEAST_MASKS: Final = 10
-"""Masks of a file from which on their shapes tell that each is of one object. (Our choice.)"""
+"""Smallest number of masks whose shapes show that each is a single object. (Our choice.)"""
 _HIGH_SHARE: Final = 0.8
-"""Share of masks in such a file that are not wider than high; crowds are wide. (Our choice.)"""
+"""Share of masks of single objects that are not wider than high, as crowds are. (Our choice.)"""
 
 
 def recognise(_name: str, head: str, role: Role) -> bool:
@@ -92,7 +92,7 @@ def read_files(
     options: ReadOptions,
     read_part: Callable[[SourceFile, int, ReadOptions], FilePart],
 ) -> tuple[Reading, list[Reading], list[SourceFile]]:
-    """One reading of several files, that of each, and those of the files that are read."""
+    """Read several files, and return the joined reading, its parts, and the files used."""
     used, passed_over = files_of_one_task(files)
     parts = [read_part(file, number, options) for number, file in used]
     reading = joined_parts(parts, ["boxes as they are (0-based)", passed_over])
@@ -103,11 +103,11 @@ def read_files(
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Read COCO ground truth; each file brings its own images, ids and categories."""
+    """Read COCO ground truth. Each file has its own images, ids and categories."""
     reading, parts, used = read_files(files, options, _read_part)
     categories: dict[str, str] = {}
     for key, name in chain(*(part.categories.items() for part in parts)):
-        # one name for an id, or none
+        # no name if files give an id different names
         categories[key] = name if categories.get(key, name) == name else ""
     lists = [part.images for part in parts if part.images is not None]
     images = pd.concat(lists, ignore_index=True)
@@ -210,17 +210,17 @@ def _crowds(
     counted: Sequence[str],
     options: ReadOptions,
 ) -> tuple[np.ndarray, str, list[Finding]]:
-    """Return which annotations are regions of crowds, the conversion in words, and what is odd.
+    """Mark annotations that are regions of crowds, and return conversion text and findings.
 
-    COCO's crowds are large regions. CVAT sets iscrowd for whatever was drawn as a mask, also for
-    single pedestrians: these count, and where the file leaves doubt, a finding asks.
+    COCO's crowds are large regions. CVAT sets iscrowd for every mask, even for single pedestrians,
+    which count. If the file is ambiguous, a finding asks the user.
 
     Parameters
     ----------
     box
         x, y, w, h of each annotation, px, shape (n, 4).
     is_open
-        Whether an annotation counts but for iscrowd; bool, shape (n,).
+        Whether an annotation counts apart from iscrowd, bool, shape (n,).
     counted
         Names of the classes that count.
     """
@@ -261,7 +261,7 @@ def _crowds(
 
 
 def _attribute_texts(records: Records) -> np.ndarray:
-    """What each annotation's `attributes` (object, list or text) say; object, shape (n,)."""
+    """Return the text of each annotation's `attributes` (object, list or text), shape (n,)."""
     texts = np.full(len(records), "", dtype=object)
     for row, value in enumerate(records.values("attributes") or ()):  # a loop over JSON objects
         if isinstance(value, dict):
@@ -278,7 +278,7 @@ def _attribute_texts(records: Records) -> np.ndarray:
 
 
 def category_names(document: dict[str, object], file: SourceFile) -> dict[str, str]:
-    """The names that a file gives its categories, by their ids as text."""
+    """Return the names of a file's categories, by their ids as text."""
     if document.get("categories") is None:
         return {}
     categories = Records(document["categories"], file, "category", "categories")
@@ -289,7 +289,7 @@ def category_names(document: dict[str, object], file: SourceFile) -> dict[str, s
 def _classes(
     categories: Mapping[str, str], records: Records, file: SourceFile, options: ReadOptions
 ) -> tuple[CategoryChoice, pd.Series]:
-    """The choice of classes, and each annotation's category id as text."""
+    """Choose the classes, and return each annotation's category id as text."""
     names = dict(categories)
     values = records.values("category_id")
     keys = pd.Series([id_text(v) for v in values or [None] * len(records)], dtype=object)
@@ -312,7 +312,7 @@ def _classes(
 
 
 def _occlusion(records: Records, lines: Lines) -> tuple[np.ndarray, list[str], list[Finding]]:
-    """Levels of occlusion from whichever field there is, the conversion, and what is odd."""
+    """Return levels of occlusion from any known field, with conversion text and findings."""
     visible = records.numbers("vis_ratio", "visibility")
     if visible is not None:
         return levels_of_visible_share(visible), ["occlusion from vis_ratio"], []
@@ -338,14 +338,14 @@ def _occlusion(records: Records, lines: Lines) -> tuple[np.ndarray, list[str], l
 
 
 def files_of_one_task(files: Sequence[SourceFile]) -> tuple[list[tuple[int, SourceFile]], str]:
-    """Files with their places in the list, of each subset those of one task, and that in words."""
+    """Select the files of one task per subset, with their indices, and describe the choice."""
     matches = [_TASK_FILE.fullmatch(unpacked_name(file.name)) for file in files]
     ranks = [_TASKS.index(match["task"]) if match else 0 for match in matches]
     subsets = [
         (match["folder"], match["subset"]) if match else (file.name, "")
         for file, match in zip(files, matches, strict=True)
     ]
-    # of equal keys the last one stays, the lowest rank
+    # the last of equal keys is kept: the lowest rank
     best = dict(sorted(zip(subsets, ranks, strict=True), key=lambda pair: -pair[1]))
     is_used = [rank == best[subset] for subset, rank in zip(subsets, ranks, strict=True)]
     used = [(number, file) for number, file in enumerate(files) if is_used[number]]
@@ -356,12 +356,12 @@ def files_of_one_task(files: Sequence[SourceFile]) -> tuple[list[tuple[int, Sour
 def read_images(
     document: dict[str, object], file: SourceFile, options: ReadOptions
 ) -> tuple[Reading, pd.DataFrame]:
-    """What the image list of a COCO document says: a reading without boxes, and its `images`.
+    """Read the image list of a COCO document as a reading without boxes and its `images`.
 
     Raises
     ------
     FormatError
-        If there is none, or one of its entries cannot be understood.
+        If there is no list, or one of its entries is invalid.
     """
     images = Records(document.get("images"), file, "image", "images")
     ids = image_ids(images)
@@ -403,12 +403,12 @@ def read_images(
 
 
 def image_ids(records: Records, *keys: str) -> pd.Series:
-    """Image ids as int64 where all are whole numbers, else as text (object).
+    """Return image ids as int64 if all are whole numbers, else as text (object).
 
     Raises
     ------
     FormatError
-        With the first record that has none or one that is neither number nor text.
+        If an id is missing or neither number nor text, with the first such record.
     """
     values = records.required(*(keys or ("id",)))
     records.check_types(values, {int, float, str}, "a number or text as image id")
@@ -421,17 +421,17 @@ def image_ids(records: Records, *keys: str) -> pd.Series:
 
 
 def id_text(value: object) -> str:
-    """An image id as text; 3.0 is 3."""
+    """Convert an image id to text, with 3.0 as 3."""
     return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
 
 
 def id_texts(records: Records, what: str, *keys: str) -> pd.Series | None:
-    """Ids of a field (see `Records.values`) as text, missing where a record has none.
+    """Return ids of a field (see `Records.values`) as text, missing if a record has none.
 
     Raises
     ------
     FormatError
-        With the first record whose id is neither number nor text.
+        If an id is neither number nor text, with the first such record.
     """
     values = records.values(*keys)
     if values is None:
@@ -442,7 +442,7 @@ def id_texts(records: Records, what: str, *keys: str) -> pd.Series | None:
 
 
 def rows_by_id(ids: pd.Series, listed: pd.Series) -> np.ndarray:
-    """Row of the image list that has each id, -1 where none has; 12 and "12" are one id."""
+    """Return the row of each id in the image list, or -1. Ids 12 and "12" are equal."""
     if not (ids.dtype == listed.dtype and pd.api.types.is_integer_dtype(ids.dtype)):
         ids, listed = (part.map(id_text).astype(object) for part in (ids, listed))
     return np.asarray(pd.Index(listed).get_indexer(pd.Index(ids)))
@@ -451,7 +451,7 @@ def rows_by_id(ids: pd.Series, listed: pd.Series) -> np.ndarray:
 def places_of_rows(
     images: pd.DataFrame, row: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Recording and frame of rows of the image list, and whether they are known; -1: not."""
+    """Return recording, frame, and whether they are known (row is not -1), of image list rows."""
     if images.empty:
         return np.full(len(row), "", dtype=object), np.zeros(len(row), np.int64), row >= 0
     recording = images["recording"].to_numpy(dtype=object)[row]
@@ -459,14 +459,14 @@ def places_of_rows(
 
 
 def _names(images: Records) -> list[str]:
-    """File name of each picture, empty where it has none."""
+    """Return the file name of each picture, empty if it has none."""
     values = images.values(*NAME_KEYS) or [None] * len(images)
     images.check_types(values, {str, type(None)}, "text as file_name")
     return [str(value or "") for value in values]
 
 
 def _first_of_each_id(images: Records, ids: pd.Series) -> tuple[np.ndarray, list[Finding]]:
-    """Which images to keep: one of those listed twice in the same words."""
+    """Mark images to keep, dropping exact repetitions with a finding."""
     double = ids.duplicated().to_numpy()
     for index in np.flatnonzero(double):  # doubles are few
         if images.rows[index] != images.rows[int(np.argmax(ids == ids[index]))]:
@@ -484,7 +484,7 @@ def _first_of_each_id(images: Records, ids: pd.Series) -> tuple[np.ndarray, list
 def _places(
     images: Records, names: Sequence[str], document: dict[str, object], options: ReadOptions
 ) -> tuple[Sequence[str], np.ndarray, str, list[Finding], NamedPictures]:
-    """Recording and frame number of every image, in words where they come from, and its name."""
+    """Return recordings and frames of images, with conversion text, findings and names."""
     file_recording = recording_of(images.file.name)
     named = NO_NAMES
     numbers = images.numbers(*FRAME_KEYS)
@@ -555,17 +555,17 @@ def _places(
 
 
 def _or_whole(recording: str, file_recording: str) -> str:
-    """A name without a folder gives "recording": then the whole file is one recording."""
+    """Return the file's recording for a name without a folder (parsed as "recording")."""
     return file_recording if recording == "recording" else recording
 
 
 def _is_scattered(recording: Sequence[str]) -> bool:
-    """Whether the names give almost every image a recording of its own, as hashes do."""
+    """Whether almost every image would have its own recording, as with hashes as names."""
     return len(recording) >= 4 and len(set(recording)) > len(recording) / 2
 
 
 def _folders(names: Sequence[str], file_recording: str) -> list[str]:
-    """Recording of each picture by its folder alone."""
+    """Return the recording of each picture by its folder alone."""
     folders = [name.replace("\\", "/").rpartition("/")[0] for name in names]
     # a made-up frame number lets the rules for folders apply
     places = {folder: recording_and_frame_of(f"{folder}/0") for folder in {*folders}}
@@ -577,7 +577,7 @@ def _folders(names: Sequence[str], file_recording: str) -> list[str]:
 
 
 def _videos(images: Records, document: dict[str, object]) -> list[str] | None:
-    """Name of each image's video; None unless every image has one."""
+    """Return the name of each image's video, or None unless every image has one."""
     ids = images.values(*VIDEO_KEYS)
     if not ids or None in ids or not set(map(type, ids)) <= {int, float, str}:
         return None
@@ -591,7 +591,7 @@ def _videos(images: Records, document: dict[str, object]) -> list[str] | None:
 
 
 def _sizes(images: Records, key: str) -> np.ndarray:
-    """Width or height of each picture; NaN where missing, or no size at all."""
+    """Return the width or height of each picture, NaN if missing or not positive."""
     values = images.numbers(key)
     if values is None:
         return np.full(len(images), np.nan)
@@ -601,7 +601,7 @@ def _sizes(images: Records, key: str) -> np.ndarray:
 def _recordings(
     table: pd.DataFrame, document: dict[str, object], file: SourceFile
 ) -> tuple[pd.DataFrame, list[Finding]]:
-    """One row per recording with its commonest picture size, and what differs from it."""
+    """Make a table of recordings with their commonest picture size, and report other sizes."""
     fps = {}
     if document.get("videos"):
         videos = Records(document["videos"], file, "video", "videos")

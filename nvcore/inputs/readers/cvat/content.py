@@ -1,4 +1,4 @@
-"""Read CVAT's XML: the content of a file as columns, and the reading of boxes made of it."""
+"""Read CVAT's XML into columns, and make a reading of them."""
 
 from __future__ import annotations
 
@@ -47,14 +47,14 @@ from nvcore.schema import UNKNOWN_OCCLUSION
 
 CORNERS = ["x0", "y0", "x1", "y1"]
 _SAME_OBJECT: Final = 0.7
-"""IoU from which on an outline is taken for the object of a box of its label. (Our choice.)"""
+"""IoU from which on an outline and a box of one label are the same object. (Our choice.)"""
 IGNORE_ATTRIBUTES: Final = frozenset(
     {"ignore", "ignored", "iscrowd", "is_crowd", "crowd", "difficult", "dontcare", "don't care"}
 )
-"""Attributes of the annotator that make a box an ignore region where they are true."""
+"""Attributes that make a box an ignore region if they are true."""
 SCORE_ATTRIBUTES: Final = frozenset({"score", "confidence", "conf"})
 _OUTLINES: Final = frozenset({"polygon", "ellipse", "mask"})
-"""Shapes that the box around them stands for, as in COCO and YOLO."""
+"""Shapes that are represented by the box around them, as in COCO and YOLO."""
 _COLUMNS = (
     *("owner", "frame", "x0", "y0", "x1", "y1", "rotation", "is_outline"),
     *("outside", "occluded", "keyframe", "ignore", "score", "line"),
@@ -70,7 +70,7 @@ _STEP = re.compile(r"\s*(?:step\s*=\s*(?P<step>[0-9]{1,9})\s*)?")
 
 @dataclass
 class CvatTask:
-    """What the file says of a task: one video or one set of pictures.
+    """Facts of a task in the file: one video or one set of pictures.
 
     Attributes
     ----------
@@ -81,11 +81,11 @@ class CvatTask:
     width, height
         Size of the pictures, px; NaN where not given.
     start, step
-        First frame and distance of frames, in the frame numbers of the video.
+        First frame and step between frames, in frame numbers of the video.
     stop, size
         Last frame and number of frames; None where not given.
     line
-        Where the task is described.
+        Line of the task's description.
     """
 
     key: str = ""
@@ -106,7 +106,7 @@ class CvatTask:
 
     @property
     def n_frames(self) -> int | None:
-        """Number of frames; None where it is not given or the file contradicts itself."""
+        """Number of frames, or None if it is missing or contradictory."""
         spanned = None if self.stop is None else max((self.stop - self.start) // self.step + 1, 0)
         if self.size is None or spanned is None:
             return spanned if self.size is None else self.size
@@ -114,7 +114,7 @@ class CvatTask:
 
     @property
     def last(self) -> int | None:
-        """Last frame; None where it is not given."""
+        """Last frame, or None if it is not given."""
         if self.stop is None and self.size is not None:
             return self.start + self.step * (self.size - 1)
         return self.stop
@@ -134,7 +134,7 @@ class Owner(NamedTuple):
     label
         See `track`.
     name, number, width, height
-        Name, id and size of a picture; empty, -1 and NaN for a track.
+        Name, id and size of a picture. Empty, -1 and NaN for a track.
     """
 
     line: int
@@ -154,16 +154,16 @@ class CvatContent:
     Attributes
     ----------
     tasks
-        By key.
+        Tasks by key.
     owners
         Tracks or pictures, in the order of the file, pictures without boxes too.
     boxes
         One row per box: owner (its position in `owners`), frame and line, int64; x0, y0, x1, y1
         (before it is rotated, px), rotation (clockwise about its middle, degrees), occluded (NaN:
         unknown) and score, float64; is_outline (the box around another shape), outside, keyframe
-        and ignore, bool; label; attributes, the classes that its annotator named, as text.
+        and ignore, bool; label; attributes (classes named by the annotator), text.
     other_shapes
-        (kind, label, line) of each shape that no box stands for.
+        (kind, label, line) of each shape without a box.
     declared
         Labels that the file declares.
     """
@@ -183,7 +183,7 @@ class CvatContent:
 
 
 class _Parser:
-    """Collects the elements of one file."""
+    """Collector of the elements of one file."""
 
     def __init__(self, kind: str):
         self.kind = kind
@@ -198,7 +198,7 @@ class _Parser:
         self.begin_shape(None)
 
     def take(self, element: Element) -> None:
-        """One element that has ended."""
+        """Process an element at its end."""
         path, parent = element.path, element.parent
         outer, _, tag = path.rpartition("/")
         if path in self.shapes:
@@ -226,7 +226,7 @@ class _Parser:
             self.content.other_shapes.append((tag, label.strip(), element.line))
 
     def take_attribute(self, element: Element) -> None:
-        """What an attribute says of the shape around it."""
+        """Apply an attribute to the shape that contains it."""
         assert element.parent is not None
         if element.parent is not self.shape:
             self.begin_shape(element.parent)
@@ -243,14 +243,14 @@ class _Parser:
             self.classes.append(class_of(element.attributes.get("name", ""), element.text))
 
     def begin_shape(self, element: Element | None) -> None:
-        """Forget what attributes said of the shape before."""
+        """Start a shape without attributes."""
         self.shape = element
         self.is_ignored = self.is_occluded = False
         self.level, self.score = UNKNOWN_OCCLUSION, math.nan
         self.classes: list[str] = []
 
     def corners_of(self, element: Element) -> tuple[float, float, float, float]:
-        """Edges x0, y0, x1, y1 of a box, or of the upright box around another shape, px."""
+        """Return edges x0, y0, x1, y1 (px) of a box, or of the upright box around another shape."""
 
         def value(name: str) -> float:
             return element.number(element.attributes.get(name), name)
@@ -273,7 +273,7 @@ class _Parser:
         return min(edges[::2]), min(edges[1::2]), max(edges[::2]), max(edges[1::2])
 
     def take_shape(self, element: Element) -> None:
-        """A shape of the track or picture around it."""
+        """Add a shape to the track or picture that contains it."""
         if element is not self.shape:
             self.begin_shape(element)
         assert element.parent is not None
@@ -307,7 +307,7 @@ class _Parser:
         self.attributes.append(joined_classes(self.classes) if self.classes else "")
 
     def add_owner(self, element: Element) -> None:
-        """A track or a picture, at its end or at the first box in it."""
+        """Add a track or a picture, at its end or at the first box in it."""
         self.owner = element
         get, line = element.attributes.get, element.line
         task, n_known = get("task_id", ""), len(self.content.owners)
@@ -326,14 +326,14 @@ class _Parser:
         self.content.owners.append(owner)
 
     def text_of(self, element: Element, name: str) -> str:
-        """An attribute that must be there."""
+        """Return a required attribute."""
         text = element.attributes.get(name)
         if text is None:
             raise element.fault(f"expected a {name} in <{element.tag}>, found none")
         return text.strip()
 
     def take_meta(self, element: Element) -> None:
-        """What the head of the file says of labels and tasks."""
+        """Read an element of the file's header about labels or tasks."""
         if element.path == "annotations/meta/source":
             self.source = element.text
         elif element.path.endswith("/labels/label/name"):
@@ -353,7 +353,7 @@ class _Parser:
             self.take_fact(self.task, fact, element)
 
     def take_fact(self, task: CvatTask, fact: str, element: Element) -> None:
-        """One fact about a task."""
+        """Read one fact about a task."""
         text = element.text
         if fact in _TEXT_FACTS:
             setattr(task, _TEXT_FACTS[fact], text)
@@ -371,7 +371,7 @@ class _Parser:
             setattr(task, _FRAME_FACTS[fact], value)
 
     def finish(self) -> CvatContent:
-        """The content, when the file has ended."""
+        """Return the content at the end of the file."""
         values = np.array(self.values, dtype=np.float64).reshape(-1, len(_COLUMNS))
         boxes = pd.DataFrame(values, columns=list(_COLUMNS)).astype(_TYPES)
         self.content.boxes = boxes.assign(
@@ -388,7 +388,7 @@ class _Parser:
 
 
 def read_cvat(file: SourceFile, *, kind: str) -> CvatContent:
-    """Content of a CVAT file.
+    """Read the content of a CVAT file.
 
     Parameters
     ----------
@@ -419,18 +419,18 @@ def boxes_reading(
     facts: Sequence[str],
     findings: Sequence[Finding],
 ) -> Reading:
-    """The reading: classes sorted, rotated boxes made upright, the conversion in words.
+    """Make the reading: sort classes, make rotated boxes upright, describe the conversion.
 
     Parameters
     ----------
     boxes
-        `CvatContent.boxes` of all files, those that are visible, with recording, track and file.
+        Visible boxes of `CvatContent.boxes` of all files, with recording, track and file.
     declared
         Labels that the files declare.
     files, options
-        As a reader gets them.
+        Arguments of the reader.
     recordings, images, findings
-        As in `Reading`.
+        See `Reading`.
     facts
         Further parts of the conversion.
     """
@@ -485,11 +485,11 @@ def boxes_reading(
 
 
 def _is_double(boxes: pd.DataFrame) -> np.ndarray:
-    """Whether each row is the outline of an object that has a box, as most have; bool, (n,)."""
+    """Mark outlines of objects that also have a box, if most outlines do. Bool, shape (n,)."""
     is_outline = boxes["is_outline"].to_numpy(copy=True)
     drawn, outlines = boxes[~is_outline], boxes[is_outline]
     overlap = best_overlaps(outlines, drawn, on=("recording", "frame", "label"))
-    # of a few, one pedestrian passes before another
+    # a few overlaps may be one pedestrian in front of another
     are_most = np.count_nonzero(overlap >= _SAME_OBJECT) > len(overlap) / 2
     is_outline[is_outline] = (overlap >= _SAME_OBJECT) & are_most
     return is_outline
@@ -498,9 +498,9 @@ def _is_double(boxes: pd.DataFrame) -> np.ndarray:
 def _attributes(
     texts: np.ndarray, lines: Lines, is_truth: bool
 ) -> tuple[np.ndarray, list[Finding]]:
-    """Classes named by the annotators of the truth, and a warning where a line has several boxes.
+    """Collect classes named by annotators of the truth, and warn if a line has several boxes.
 
-    Attributes are found again by the line of the box.
+    Attributes are matched to boxes by line.
     """
     if not is_truth:
         return np.full(len(texts), "", dtype=object), []
@@ -517,9 +517,9 @@ def _attributes(
 
 
 def _upright(corners: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-    """x, y, w, h of the upright box around each rotated one, shape (4, n)."""
+    """Return x, y, w, h of the upright box around each rotated one, shape (4, n)."""
     x0, y0, x1, y1 = corners.T
-    # numbers near the largest float pass through as infinite, the dataset reports them
+    # numbers near the largest float become infinite, which the dataset reports
     with np.errstate(invalid="ignore", over="ignore"):
         width, height = x1 - x0, y1 - y0
         cosine = np.abs(np.cos(np.radians(rotation)))

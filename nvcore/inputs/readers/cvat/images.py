@@ -47,9 +47,9 @@ def recognise(_name: str, head: str, _role: Role) -> bool:
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
-    """Read CVAT for images files; pictures without boxes are evaluated frames.
+    """Read CVAT for images files. Pictures without boxes are evaluated frames, too.
 
-    Recording and frame come from the names of the pictures; where one of a file has no number,
+    Recording and frame come from the names of the pictures. If a name in a file has no number,
     the file is the recording and the ids of its pictures are the frames. Corners are 0-based and
     continuous.
     """
@@ -97,7 +97,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 def _places(
     content: CvatContent, file: SourceFile, options: ReadOptions
 ) -> tuple[np.ndarray, np.ndarray, list[Finding], NamedPictures]:
-    """Recording and frame of each picture, what is odd, and its name."""
+    """Return recordings and frames of pictures, with findings and names."""
     known = options.recordings
     fallback = recording_of(file.name, known)
     with in_file(file):
@@ -122,7 +122,7 @@ def _places(
 def _places_by_id(
     content: CvatContent, strange: Owner, fallback: str, file: SourceFile, options: ReadOptions
 ) -> tuple[np.ndarray, np.ndarray, list[Finding], NamedPictures]:
-    """Recording and the id, as the frame, of each picture; and the warning that says so."""
+    """Use the ids of pictures as frames, with a warning."""
     n_strange = sum(recording_and_frame_of(owner.name) is None for owner in content.owners)
     finding = warning(
         "picture-without-number",
@@ -142,7 +142,7 @@ def _places_by_id(
 
 
 def _task_recording(content: CvatContent, owner: Owner, fallback: str) -> str:
-    """The file's recording, or the task's where the file has several."""
+    """Return the file's recording, or the task's if the file has several tasks."""
     task = content.tasks.get(owner.task)
     if len(content.tasks) == 1 or task is None:
         return fallback

@@ -1,4 +1,4 @@
-"""CVAT for video XML 1.1: tracks of boxes, with or without those between the keyframes."""
+"""CVAT for video XML 1.1: tracks of boxes, with or without boxes between keyframes."""
 
 from __future__ import annotations
 
@@ -38,19 +38,19 @@ from nvcore.inputs.readers.parse.xml import root_of
 
 @dataclass(frozen=True)
 class FilledTracks:
-    """Rows of all tracks, sorted by track and frame, with those between keyframes filled in.
+    """Rows of all tracks, sorted by track and frame, including those between keyframes.
 
     Attributes
     ----------
     left, right
-        Rows of the input between which each row lies, int64, shape (m,); equal for input rows.
+        Input rows before and after each row, int64, shape (m,). Equal for input rows.
     share
-        Way from left to right in 0..1, float64, shape (m,); 0 for input rows.
+        Position between left (0) and right (1), float64, shape (m,). 0 for input rows.
     frame
         Frame of each row, int64, shape (m,).
     gaps
-        Rows of the input after which frames are missing that were not filled because the boxes
-        around them are not both keyframes, int64.
+        Input rows before missing frames that were not filled, because the boxes around them are
+        not both keyframes, int64.
     """
 
     left: np.ndarray
@@ -60,14 +60,14 @@ class FilledTracks:
     gaps: np.ndarray
 
     def between(self, values: np.ndarray) -> np.ndarray:
-        """Values of the input rows, linear between them; shape (m, ...)."""
+        """Interpolate values of the input rows linearly, shape (m, ...)."""
         share = self.share.reshape(-1, *[1] * (values.ndim - 1))
         with np.errstate(invalid="ignore", over="ignore"):
             moved = values[self.left] + share * (values[self.right] - values[self.left])
         return np.asarray(np.where(share == 0, values[self.left], moved))
 
     def angle_between(self, degrees: np.ndarray) -> np.ndarray:
-        """Angles of the input rows, linear between them the shorter way round; shape (m,)."""
+        """Interpolate angles (degrees) of the input rows the shorter way round, shape (m,)."""
         with np.errstate(invalid="ignore"):
             turn = (degrees[self.right] - degrees[self.left] + 180) % 360 - 180
             moved = degrees[self.left] + self.share * turn
@@ -91,17 +91,17 @@ def fill_between_keyframes(
     outside
         Whether the object has left the picture at this row, bool, shape (n,).
     keyframe
-        Whether an annotator drew the box, bool, shape (n,). Nothing is filled in beside a box
-        that is no keyframe: the file then has all frames that it means to have.
+        Whether an annotator drew the box, bool, shape (n,). Nothing is filled next to other boxes,
+        since files with such boxes contain all frames.
     step
-        Distance of neighbouring frames, int64 >= 1, shape (n,).
+        Step between neighbouring frames, int64 >= 1, shape (n,).
     lines
-        Where the rows stand.
+        Lines of the rows.
 
     Raises
     ------
     FormatError
-        With the line before the longest gap, if more than `MAX_FRAMES` rows would be filled in.
+        If more than `MAX_FRAMES` rows would be filled, with the line before the longest gap.
     """
     order = np.lexsort((frame, track))
     left, right = order[:-1], order[1:]
@@ -118,7 +118,7 @@ def fill_between_keyframes(
         )
     n_rows = np.append(n_filled, 0)[: len(order)] + 1
     keyframe_row = np.repeat(np.arange(len(order)), n_rows)
-    # position of each row behind its keyframe: 0 is the keyframe itself
+    # position of each row after its keyframe: 0 is the keyframe itself
     position = np.arange(len(keyframe_row)) - np.repeat(np.cumsum(n_rows) - n_rows, n_rows)
     start = order[keyframe_row]
     end = np.where(position > 0, order[np.minimum(keyframe_row + 1, len(order) - 1)], start)
@@ -146,10 +146,10 @@ def recognise(_name: str, head: str, _role: Role) -> bool:
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """Read CVAT for video files, one recording each, or an export of a project with several.
 
-    Frame numbers are those of the video, also where the task has every n-th frame only; corners
-    are 0-based and continuous. Boxes marked as outside are not boxes. Between two keyframes the
-    boxes that the file leaves out are filled in, as CVAT does. Size, start, stop and step of the
-    task give the evaluated frames.
+    Frame numbers are those of the video, even if the task has only every n-th frame. Corners are
+    0-based and continuous. Boxes marked as outside are dropped. Missing boxes between two
+    keyframes are interpolated, as CVAT does. Size, start, stop and step of the task define the
+    evaluated frames.
     """
     contents = [read_cvat(file, kind="track") for file in files]
     units = [
@@ -201,7 +201,7 @@ def _recordings(
     units: Sequence[tuple[int, CvatTask]],
     options: ReadOptions,
 ) -> tuple[list[str], list[str]]:
-    """Recording of each task: a file has one, an export of a project several."""
+    """Return the recording of each task. Only an export of a project has several tasks."""
     paths, stated = [], []
     names = [task.stated for _, task in units]
     for (number, task), name in zip(units, names, strict=True):
@@ -217,7 +217,7 @@ def _recordings(
 def _frames_of(
     task: CvatTask, file: SourceFile, options: ReadOptions
 ) -> tuple[np.ndarray | None, list[Finding]]:
-    """The task's frames, None where the file does not give them."""
+    """Return the task's frames, or None if the file does not give them."""
     n_frames = task.n_frames
     if n_frames is not None and n_frames > MAX_FRAMES:
         raise file.fault(
@@ -248,7 +248,7 @@ def _boxes_of(
     by_task: dict[tuple[int, str], str],
     options: ReadOptions,
 ) -> tuple[pd.DataFrame, list[Finding]]:
-    """Boxes of one file, those between keyframes filled in."""
+    """Return the boxes of one file, including those between keyframes."""
     tasks = [_task_of(content, owner.task, owner.line, file) for owner in content.owners]
     spans = [(t.start, t.step, -np.inf if t.last is None else t.last) for t in tasks]
     columns = {str(name): values.to_numpy() for name, values in content.boxes.items()}
@@ -275,7 +275,7 @@ def _boxes_of(
 
 
 def _task_of(content: CvatContent, key: str, line: int, file: SourceFile) -> CvatTask:
-    """Task of a track: the only one, or the one that it names."""
+    """Return the task of a track: the only one, or the one that the track names."""
     if len(content.tasks) == 1:
         return next(iter(content.tasks.values()))
     if key not in content.tasks:
@@ -294,7 +294,7 @@ def _findings(
     content: CvatContent,
     options: ReadOptions,
 ) -> list[Finding]:
-    """Frames beside the step, gaps that were not filled, tracks without an end, ids used twice."""
+    """Report frames off the step, gaps that were not filled, tracks without end, repeated ids."""
     owners = content.owner_table
     track = owners["track"].to_numpy()
     is_visible = ~rows["outside"]

@@ -1,1 +1,1 @@
-"""What names of files, classes and values in files mean."""
+"""Meaning of names of files, of classes, and of values in files."""

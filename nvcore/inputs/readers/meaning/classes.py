@@ -1,4 +1,4 @@
-"""Which boxes count, are ignored or left out, their labels, and files that name classes."""
+"""Choose boxes that count or are ignored, label them, and read files that name classes."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from nvcore.wording import count_text, listed, shortened
 
 @dataclass(frozen=True)
 class ClassRule:
-    """What a format does with its classes; names are compared without regard to case.
+    """Treatment of a format's classes, by names without regard to case.
 
     Attributes
     ----------
@@ -43,9 +43,9 @@ class ClassRule:
     ignored
         Classes whose boxes are ignore regions in the truth.
     left_out
-        Classes that are known and are neither.
+        Known classes that are neither.
     is_benchmark
-        Whether a benchmark defines it so, which its users know.
+        Whether a benchmark defines this treatment, so that its users know it.
     """
 
     counted: tuple[str, ...]
@@ -61,20 +61,20 @@ class ClassRule:
 
 @dataclass(frozen=True)
 class ClassChoice:
-    """What becomes of each row.
+    """Treatment of each row: kept or not, ignored or counted.
 
     Attributes
     ----------
     keep
         Bool, shape (n,): the row stays in the table.
     ignore
-        Bool, shape (n,): the row is an ignore region; a row that is neither counts.
+        Bool, shape (n,): the row is an ignore region. Other kept rows count.
     fact
-        The rule in words, for the conversion text.
+        Description of the rule, for the conversion text.
     findings
-        Rows of classes that the format does not have; rows of which none counts.
+        Findings about rows of unknown classes, or if no row counts.
     left_out
-        The classes whose rows do not stay; named in `fact`.
+        Classes whose rows are not kept, also named in `fact`.
     """
 
     keep: np.ndarray
@@ -85,7 +85,7 @@ class ClassChoice:
 
 
 def rule_of(classes: Iterable[str], objects: Objects) -> ClassRule:
-    """What to do with classes of these names, by what they are called alone."""
+    """Infer the treatment of classes from their names alone."""
     names = tuple(classes)
     counted = tuple(name for name in names if objects.counts(name))
     ignored = tuple(
@@ -96,16 +96,16 @@ def rule_of(classes: Iterable[str], objects: Objects) -> ClassRule:
 
 
 def rule_for(rule: ClassRule | None, labels: Iterable[str], options: ReadOptions) -> ClassRule:
-    """Extend a format's rule by the classes that its files have beside those of the format.
+    """Extend a format's rule by other classes in its files.
 
-    Where the classes are named, the usual names of the objects that are not among them are ignore
-    regions, except for a format's own classes of pedestrians.
+    If `options.classes` names the classes that count, other usual names of the objects become
+    ignore regions, except a format's own classes of pedestrians.
 
     Parameters
     ----------
     rule
-        Where the objects are pedestrians; of others the names of the classes decide. None: the
-        format has no classes, annotators chose the labels (CVAT, Pascal VOC).
+        The format's rule, which applies to pedestrians. For other objects, names of classes
+        decide. None: annotators chose the labels (CVAT, Pascal VOC).
     labels
         Classes in the files, used or only declared.
     options
@@ -140,7 +140,7 @@ def choose_classes(
     options
         `classes`, `objects` and `role` are used.
     lines
-        Where the rows stand, for errors and findings.
+        Lines of the rows, for errors and findings.
 
     Raises
     ------
@@ -208,14 +208,14 @@ def kinds_finding(
     file: str,
     severity: Severity = Severity.WARNING,
 ) -> list[Finding]:
-    """What to know of classes that are some kind of the objects and do not count.
+    """Report classes that are a kind of the objects but do not count.
 
     Parameters
     ----------
     counted
-        The classes that count, without the user having said so.
+        Classes that count by default.
     others
-        The other classes, with their numbers of boxes.
+        Number of boxes of each other class.
     file, severity
         See `Finding`.
     """
@@ -242,7 +242,7 @@ def kinds_finding(
 
 
 def classes_left_out(counts: Mapping[str, int]) -> tuple[LeftOut, ...]:
-    """Classes of which nothing is used, the most boxes first, from how many boxes each has."""
+    """List unused classes with their numbers of boxes, the most frequent first."""
     by_count = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
     return tuple(LeftOut("class", str(name), int(n)) for name, n in by_count if n)
 
@@ -253,20 +253,20 @@ _MANY: Final = 30
 
 @dataclass(frozen=True)
 class CategoryChoice:
-    """What becomes of each category of a file.
+    """Treatment of each category of a file.
 
     Attributes
     ----------
     counted, ignored, others
-        Keys of the categories (numbers or names, as the file has them); `others` are left out.
+        Keys of the categories (numbers or names, as in the file). `others` are left out.
     conversion
-        The choice in words.
+        Description of the choice.
     findings
-        What the user should know of it.
+        Findings about the choice.
     left_out
-        The `others` that have boxes, by their names.
+        The `others` that have boxes, by name.
     classes
-        As in `Reading`.
+        See `Reading`.
     """
 
     counted: tuple[str, ...]
@@ -285,9 +285,9 @@ class ClassNames:
     Attributes
     ----------
     names
-        Name of each class by its number as text, or by itself; empty: there are no names.
+        Name of each class by its number as text, or by itself. Empty: there are no names.
     source
-        Where they are from, where that is another file: "data.yaml".
+        Another file that the names are from: "data.yaml".
     """
 
     names: Mapping[str, str] = field(default_factory=dict)
@@ -297,14 +297,14 @@ class ClassNames:
 def names_of_numbers(
     numbers: Iterable[str], own: ClassNames, options: ReadOptions, numbering: Numbering
 ) -> ClassNames:
-    """Names of the classes that files number: their own, else those of the other side.
+    """Return the files' names of numbered classes, else those of the other side.
 
     Parameters
     ----------
     numbers
-        Those in the files. The other side's names are of another list where one has none.
+        Class numbers in the files. The other side's names apply only if they cover all of them.
     numbering
-        How the files number their classes.
+        Kind of the files' class numbers.
     """
     theirs = options.names_for(numbering)
     if own.names or not {*numbers} <= theirs.keys():
@@ -314,14 +314,14 @@ def names_of_numbers(
 
 @dataclass(frozen=True)
 class NumberedRows:
-    """Rows of which each has the number of its class.
+    """Class number of each row.
 
     Attributes
     ----------
     keys
-        The different numbers as text, object, shape (n_classes,).
+        Distinct numbers as text, object, shape (n_classes,).
     codes
-        Place of each row's class among them; int, shape (n,).
+        Index of each row's class in `keys`, int, shape (n,).
     """
 
     keys: np.ndarray
@@ -329,17 +329,17 @@ class NumberedRows:
 
     @classmethod
     def of(cls, numbers: np.ndarray) -> NumberedRows:
-        """From the number of each row, whole, shape (n,)."""
+        """Encode the class number of each row (whole, shape (n,))."""
         different, codes = np.unique(numbers, return_inverse=True)
         return cls(np.array([*map(str, different.tolist())], dtype=object), codes)
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many rows have each number."""
+        """Number of rows by class number."""
         return dict(zip(self.keys, np.bincount(self.codes).tolist(), strict=True))
 
     def among(self, keys: tuple[str, ...]) -> np.ndarray:
-        """Whether each row's number is one of these; bool, shape (n,)."""
+        """Mark rows whose number is one of these. Bool, shape (n,)."""
         is_among: np.ndarray = np.isin(self.keys, keys)[self.codes]
         return is_among
 
@@ -347,12 +347,12 @@ class NumberedRows:
 def by_names(
     numbers: np.ndarray, names: Mapping[int, str], options: ReadOptions
 ) -> tuple[np.ndarray, ReadOptions]:
-    """Name of each row's class, and the options with classes by name.
+    """Convert class numbers of rows and options to names.
 
     Parameters
     ----------
     numbers
-        Class of each row, whole, shape (n,). One without a name is called as it is written.
+        Class of each row, whole, shape (n,). A number without a name is its own name.
     names
         The format's classes by their numbers.
     """
@@ -375,14 +375,14 @@ def check_any_counts(
     Parameters
     ----------
     classes, what
-        Names of the classes, and what they are, for the error: "traffic signs".
+        Names of the classes, and a term for them in the error: "traffic signs".
     steps
-        Ways out beside choosing classes.
+        Suggested fixes other than choosing classes.
 
     Raises
     ------
     InputError
-        If none of the classes is called as the objects are, and none was chosen.
+        If no class has a name of the objects, and none was chosen.
     """
     if options.classes is None and not any(map(options.objects.counts, classes)):
         raise InputError(
@@ -406,24 +406,24 @@ def choose_categories(
     Parameters
     ----------
     counts
-        How many boxes each category has, by its key in the file.
+        Number of boxes of each category, by its key in the file.
     named
-        Name of each category by its key; where there are only names, key = name. Empty: the keys
-        are numbers without names.
+        Name of each category by its key. If there are only names, they are the keys. Empty: the
+        keys are numbers without names.
     options
-        Its `classes` are names or keys to count; None: those called as the objects are (person,
-        pedestrian). Of detections nothing is ignored: what does not count is left out.
+        `classes` are names or keys to count. None: names of the objects (person, pedestrian).
+        Detections of other classes are left out, not ignored.
     file
         The file, for errors.
     numbers
-        What the files call the number of a class.
+        Term for the number of a class in the files.
 
     Raises
     ------
     FormatError
-        If one of `classes` is not there, or none is given and none is called so.
+        If one of `classes` does not exist, or none is given and no class has a known name.
     UnnamedClassesError
-        If there are no names, and several numbers of which nobody said which count.
+        If there are several numbers without names, and no choice.
     """
     names, source, given = named.names, named.source, options.classes
     if not names:
@@ -445,7 +445,7 @@ def choose_categories(
         hits = {name: _keys_of(name, names) for name in given}
         counted = set().union(*hits.values())
         absent = [name for name, keys in hits.items() if not keys]
-        # a system need not know every class of the truth; numbers may be meant for other files
+        # a system may lack classes of the truth, and numbers may be meant for other files
         names_absent = [name for name in absent if not name.isdecimal()]
         if absent and (not counted or (options.role == "truth" and names_absent)):
             raise FormatError(
@@ -517,7 +517,7 @@ def choose_categories(
 def _by_number(
     counts: Mapping[str, int], options: ReadOptions, *, file: str, numbers: str
 ) -> CategoryChoice:
-    """The choice where no number has a name: those that were given, or the only one."""
+    """Choose categories without names: the given numbers, or the only one."""
     keys, objects = labels_in_order(counts), options.objects
     given = {key for key in options.classes or () if key.isdecimal()}
     boxes = _few([f"{key} ({count_text(counts[key], 'box', 'boxes')})" for key in keys])
@@ -554,7 +554,7 @@ def _by_number(
 
 
 def _keys_of(given: str, names: Mapping[str, str]) -> set[str]:
-    """Keys of the categories of this name, or of this number."""
+    """Return the keys of the categories with this name or number."""
     hits = {key for key, name in names.items() if plain_class(name) == plain_class(given)}
     return hits or {given} & names.keys()
 
@@ -566,7 +566,7 @@ def concerns_objects(label: str, options: ReadOptions) -> bool:
 
 
 def _listed(names: Mapping[str, str]) -> str:
-    """Categories in messages."""
+    """List categories for a message."""
     return _few([_shown(key, name) for key, name in names.items()])
 
 
@@ -576,12 +576,12 @@ def _few(texts: Sequence[str]) -> str:
 
 
 def _shown(key: str, name: str) -> str:
-    """A category in messages."""
+    """Name a category for a message."""
     return name if key == name else f"{name} ({key})"
 
 
 def labels_of(counted: Iterable[str], objects: Objects) -> dict[str, str]:
-    """The label of each class that counts, by its name; without those that say none.
+    """Return the label of each class that counts, by name, without classes that have none.
 
     Examples
     --------
@@ -594,12 +594,12 @@ def labels_of(counted: Iterable[str], objects: Objects) -> dict[str, str]:
 
 
 def codes_of(kind: Any, label_of: Mapping[str, str]) -> np.ndarray:
-    """Place of each row's label among the different values of `label_of`; int32, (n,).
+    """Encode each row's label as an index of the distinct values of `label_of`, int32, (n,).
 
     Parameters
     ----------
     kind
-        Class of each row, as text or categories; NO_LABEL where it is not in `label_of`.
+        Class of each row, as text or categories. Classes not in `label_of` become NO_LABEL.
     """
     place = {label: number for number, label in enumerate(dict.fromkeys(label_of.values()))}
     names = names_as_categories(kind, len(kind))
@@ -611,7 +611,7 @@ def codes_of(kind: Any, label_of: Mapping[str, str]) -> np.ndarray:
 def labelled(
     kind: np.ndarray, is_counted: np.ndarray, objects: Objects
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Label of each row as `Reading` has it, and what the labels are.
+    """Return the label of each row as in `Reading`, and the list of labels.
 
     Parameters
     ----------
@@ -620,24 +620,24 @@ def labelled(
     is_counted
         Whether the row's class counts, bool, shape (n,).
     objects
-        In whose words.
+        Objects whose terms the labels use.
 
     Returns
     -------
     codes, labels
-        Places among the labels, int32, (n,); NO_LABEL where the class counts not or says none.
+        Indices of labels, int32, (n,), NO_LABEL if the class does not count or has none.
     """
     label_of = labels_of(pd.unique(kind[is_counted]), objects)
     return codes_of(kind, label_of), tuple(dict.fromkeys(label_of.values()))
 
 
 def merged(parts: Iterable[tuple[str, ...]]) -> tuple[tuple[str, ...], list[np.ndarray]]:
-    """The labels of several readings in one list, and the places in it of each reading's.
+    """Merge the labels of several readings into one list, with each reading's indices in it.
 
     Returns
     -------
     labels, places
-        Of each reading int32, (its labels + 1,): the last, NO_LABEL, is of boxes without one.
+        Indices for each reading, int32, (its labels + 1,). The last is NO_LABEL.
     """
     parts = list(parts)
     labels = labels_in_order(label for part in parts for label in part)
@@ -646,9 +646,9 @@ def merged(parts: Iterable[tuple[str, ...]]) -> tuple[tuple[str, ...], list[np.n
 
 
 MAX_BYTES: Final = 1 << 20
-"""Size of a file of names, unpacked; the longest in use (Objects365's) has 20 KiB."""
+"""Largest decompressed file of names. The largest in use (Objects365's) has 20 KiB."""
 _MAX_FILES: Final = 50
-"""Most files of names that are read: one folder may hold many YAML files."""
+"""Largest number of files of names to read, since a folder may have many YAML files."""
 _LISTS: Final = re.compile(
     r"_?(?:obj_|predefined_|class_)?(?:classes|labels|names)\.txt|.*\.names|.*\.labels"
 )
@@ -657,28 +657,28 @@ _LAYOUT: Final = frozenset(
     {"labels", "label", "train", "val", "valid", "validation", "test", "obj_train_data", "gt"}
     | {"obj_valid_data", "obj_test_data"}
 )
-"""Folders above which the names of a whole data set lie."""
+"""Folders whose parents may hold the names of a whole data set."""
 _KEY: Final = re.compile(r"""(["']?)names\1\s*:(?:\s+(?P<value>.*))?""")
 _BLANK: Final = r"(?>(?:\s|#[^\n]*)*)"
 _ENTRY: Final = (
     r"""(?>(?:(?P<mark>["']?)(?P<number>\d{1,9})(?P=mark)\s*:\s+)?"""
     r"""(?P<name>'(?:[^'\n]|'')*'|"(?:[^"\\\n]|\\.)*"|[^\s,\[\]{}'"#&*!|>%@`:?-][^,\[\]{}#:\n]*))"""
 )
-"""A name, plain or quoted, behind its number in a mapping."""
+"""A plain or quoted name after its number in a mapping."""
 _IN_BRACKETS: Final = re.compile(rf"{_ENTRY}{_BLANK}(?:,{_BLANK}|(?=[\]}}]))")
 _ON_A_LINE: Final = re.compile(rf"(?P<dash>- \s*)?{_ENTRY}(?:\s*|(?<=[ '\"])\s*#.*)")
 
 
 def is_class_file(name: str) -> bool:
-    """Whether a file of this name lists classes, and no boxes."""
+    """Whether a file of this name lists classes instead of boxes."""
     return _LISTS.fullmatch(last_part(name)) is not None
 
 
 def class_names_beside(files: Sequence[SourceFile]) -> ClassNames:
-    """Names of classes from a file among those given, else beside the first other file or above.
+    """Read names of classes from a file among those given, else beside or above the first other.
 
-    A list (``classes.txt``, ``obj.names``, ``labels.txt``) or the ``names`` of a YAML file. Of
-    several places the nearest counts.
+    The file is a list (``classes.txt``, ``obj.names``, ``labels.txt``) or YAML with ``names``. The
+    nearest folder takes precedence.
 
     Raises
     ------
@@ -702,7 +702,7 @@ def class_names_beside(files: Sequence[SourceFile]) -> ClassNames:
 
 
 def _places(files: Sequence[SourceFile]) -> Iterator[list[SourceFile]]:
-    """Files that may hold names, those of one place together, the nearest place first."""
+    """Yield the files of each folder that may hold names, the nearest folder first."""
     yield [file for file in files if _may_name(file.name)]
     labels = [file for file in files if not _may_name(file.name)] or files
     if not labels:
@@ -714,7 +714,7 @@ def _places(files: Sequence[SourceFile]) -> Iterator[list[SourceFile]]:
     for place in dict.fromkeys(folders):
         try:
             names = sorted(entry.name for entry in place.iterdir() if _may_name(entry.name))
-        except OSError:  # a folder above that may not be looked into
+        except OSError:  # an unreadable folder above
             continue
         yield [SourceFile(place / name, name) for name in names if (place / name).is_file()]
 
@@ -724,12 +724,12 @@ def _may_name(name: str) -> bool:
 
 
 def last_part(name: str) -> str:
-    """The last part of a file's name, as its unpacked file would be called, in lower case."""
+    """Return the last part of a file's name in lower case, without an ending of compression."""
     return unpacked_name(name.rpartition("/")[2].casefold())
 
 
 def names_in(file: SourceFile) -> dict[str, str]:
-    """The names in a file by their numbers; none where it has none but the numbers themselves."""
+    """Read the names in a file by number, or none if all names are just the numbers."""
     if file.is_larger_than(MAX_BYTES):
         if is_class_file(file.name):
             raise file.fault(f"a list of classes has {MAX_BYTES >> 20} MiB at most")
@@ -744,15 +744,15 @@ def names_in(file: SourceFile) -> dict[str, str]:
 
 
 def names_of_yaml(text: str, file: SourceFile) -> dict[str, str]:
-    """The ``names`` of a data set's YAML file, by their numbers; none where it has no such key.
+    """Parse the ``names`` of a data set's YAML file, by number, or none without such a key.
 
-    Only what tools write is understood: a list, or a mapping from numbers, in brackets or with a
-    line for each name.
+    Supported are the forms that tools write: a list, or a mapping from numbers, in brackets or
+    with a line for each name.
 
     Raises
     ------
     FormatError
-        With the line of anything else.
+        If the names have another form, with the line.
     """
     lines = text.splitlines()
     keys = [(i, match) for i, line in enumerate(lines) if (match := _KEY.fullmatch(line))]

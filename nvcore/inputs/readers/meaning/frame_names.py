@@ -1,4 +1,4 @@
-"""Recording and frame of every picture in a list, by its name: a number, a time, or the order."""
+"""Recording and frame of listed pictures, by a number or time in the name, or by order."""
 
 from __future__ import annotations
 
@@ -48,24 +48,24 @@ NO_NAMES: Final = NamedPictures(
 )
 """Pictures without names."""
 MIN_JOINED: Final = 0.5
-"""Share of a system's pictures from which on names that are the truth's are no chance."""
+"""Share of a system's pictures from which on names of the truth are no coincidence."""
 LONG_GAP: Final = 1000
-"""Numbers without a picture, inside a list of pictures, that divide recordings ..."""
+"""Length of a gap between picture numbers that divides recordings, in numbers ..."""
 LONG_GAP_STEPS: Final = 50
-"""... if they are so many usual steps, too: a list may hold every hundredth picture."""
+"""... and in usual steps, since a list may have only every hundredth picture."""
 _HASH: Final = re.compile(r"[0-9a-f\-]{16,}$", re.IGNORECASE)
 LATE_START: Final = 100
-"""Frame up to which a scene may begin, where most begin at 0 or 1."""
+"""Largest first frame of a scene, if most scenes begin at 0 or 1."""
 
 
 def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> NamedPictures:
-    """Recording and frame of each file, from its name; files without boxes are frames, too.
+    """Parse recording and frame from the names of files. Empty files are frames, too.
 
     Raises
     ------
     InputError
-        If a file name has no frame number, two files are of one frame, or the names can be
-        understood in several ways.
+        If a file name has no frame number, two files are of one frame, or the names are
+        ambiguous.
     """
     names = [file.name for file in files]
     empty = []
@@ -88,12 +88,12 @@ def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> NamedPic
             steps=(Step(Remedy.TABLE) if are_hashes else Step(Remedy.FRAME_NAMES, "order"),),
         )
     table = named.table
-    # one known recording and one read: the same one, whatever the folders are called
+    # one known recording and one read: the same one, regardless of folder names
     if len(options.recordings) == 1 and len(set(named.recording)) == 1:
         table = table.assign(recording=options.recordings[0])
         named = replace(named, table=table)
     double = (table.duplicated(["recording", "frame"]) & (table["frame"] != NO_FRAME)).to_numpy()
-    if empty:  # one of several pictures of a frame is enough
+    if empty:  # one picture of several of a frame suffices
         is_file = np.arange(len(table)) < len(files)
         table, double = table[is_file | ~double], double[: len(files)]
         named = replace(named, table=table)
@@ -111,16 +111,15 @@ def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> NamedPic
 
 
 def named_pictures(names: Sequence[str], options: ReadOptions) -> NamedPictures:
-    """Recording and frame of each picture of a list, from their names.
+    """Parse recording and frame of each picture in a list from the names.
 
-    What tools add to names is taken off first. Names of the truth's pictures are frames of the
-    truth; others end in a number, which is the frame, or in a time, from which it follows.
+    Additions by tools are removed first. Names of the truth's pictures are frames of the truth.
+    Other names end in the frame number, or in a time that determines it.
 
     Raises
     ------
     InputError
-        If the names can be understood in several ways, and `ReadOptions.frame_names` does not say
-        which is meant.
+        If the names are ambiguous, and `ReadOptions.frame_names` does not decide.
     """
     named = _by_themselves(names, options)
     if options.named is None or options.role == "truth":
@@ -131,7 +130,7 @@ def named_pictures(names: Sequence[str], options: ReadOptions) -> NamedPictures:
 
 @contextmanager
 def in_file(file: SourceFile) -> Iterator[None]:
-    """Within it, errors about names of pictures say which file holds them."""
+    """Name the file in errors about names of pictures that it lists."""
     try:
         yield
     except InputError as error:
@@ -143,14 +142,14 @@ def in_file(file: SourceFile) -> Iterator[None]:
 def places_of_pictures(
     pictures: pd.Series, options: ReadOptions, fault: Callable[[int, str], FormatError]
 ) -> tuple[np.ndarray, np.ndarray, NamedPictures]:
-    """Recording and frame number of each row, from the name of its picture.
+    """Parse recording and frame number of each row from the name of its picture.
 
     Parameters
     ----------
     pictures
         Names of the pictures, text, shape (n,).
     fault
-        First row and name without a number -> the error to be raised.
+        Function from the first row and name without a number to the error to raise.
     """
     codes, names = pd.factorize(pictures)
     named = named_pictures([*map(str, names)], options)
@@ -162,21 +161,21 @@ def places_of_pictures(
 def times_as_frames(
     values: np.ndarray, recording: object, options: ReadOptions, lines: Lines
 ) -> tuple[np.ndarray, np.ndarray, NamedPictures] | None:
-    """Recording and frame of rows whose frame numbers are times; None where they are not.
+    """Return recording and frame of rows whose frame numbers are times, or None.
 
     Parameters
     ----------
     values
         float64 or int64, shape (n,).
     recording
-        Of all rows, or of each.
+        One recording for all rows, or one for each.
     lines
-        Where the rows stand.
+        Lines of the rows, for errors.
 
     Raises
     ------
     InputError
-        If they are too large for frame numbers and no times of a camera; with the line.
+        If values are too large for frame numbers and are no times of a camera, with the line.
     """
     least = 0 if options.frame_names == "times" else LEAST_TIME
     if options.frame_names == "numbers" or not len(values) or not values.min() >= least:
@@ -193,7 +192,7 @@ def times_as_frames(
     if times is None:
         unclear = _unclear(names[0], "in the column of frame numbers")
         raise lines.fault(0, unclear.message, unclear.steps)
-    # a column holds frames with boxes: where nobody is, there is no pause
+    # a column lists only frames with boxes, so gaps are no pauses of the recording
     named = _by_times(recordings, names, times, options, divide=False)
     if options.named is not None and options.role == "detections":
         named = _joined(named, names, options.named, options, times=times)
@@ -202,7 +201,7 @@ def times_as_frames(
 
 
 def _by_themselves(names: Sequence[str], options: ReadOptions) -> NamedPictures:
-    """The pictures of a list by its names alone; `strange` where one has no number."""
+    """Parse pictures from the list alone, and set `strange` if a name has no number."""
     plain, ending = plain_names(names)
     facts: tuple[str, ...] = (
         (f"the common ending {ending} of the names taken off",) if ending else ()
@@ -250,7 +249,7 @@ def _unclear(name: str, where: str) -> InputError:
 def _by_order(
     names: Sequence[str], parts: Sequence[tuple[list[str], str]], known: tuple[str, ...]
 ) -> NamedPictures:
-    """Pictures numbered 0, 1, 2, ... in the natural order of the names of each folder."""
+    """Number pictures 0, 1, 2, ... in the natural order of the names of each folder."""
     recordings = [recording_before(tuple(folders), "", known) for folders, _ in parts]
     order = sorted(range(len(names)), key=lambda row: (recordings[row], _natural(names[row])))
     table = _table(recordings, np.zeros(len(names)), names)
@@ -272,15 +271,15 @@ def _by_times(
     *,
     divide: bool,
 ) -> NamedPictures:
-    """Pictures numbered by their times, recording by recording.
+    """Number pictures by their times, recording by recording.
 
     Raises
     ------
     InputError
-        If they are not nearly even.
+        If the times are not nearly even.
     """
     table = _table(recordings, np.zeros(len(names), np.int64), names)
-    # a system's times need not be even where the truth's are
+    # a system's times need not be even if the truth has times
     is_of_truth = options.named is not None and options.named.how == "times"
     frame, own = np.zeros(len(names), np.int64), object_array(recordings)
     rates: dict[str, float] = {}
@@ -294,7 +293,7 @@ def _by_times(
                 f"times ({times.unit}) that are not nearly even: found {names[rows[0]]}",
                 steps=(Step(Remedy.FRAME_NAMES, "times"), Step(Remedy.FRAME_NAMES, "order")),
             )
-        # after a long pause another recording begins
+        # a long pause separates recordings
         part = np.concatenate([[0], np.cumsum(np.diff(numbers) > LONG_GAP)])
         if divide and part[-1]:
             numbers = numbers - numbers[np.searchsorted(part, part)]
@@ -316,12 +315,12 @@ def _by_times(
 
 
 def _by_scenes(named: NamedPictures, stems: Sequence[str], how: str | None) -> NamedPictures:
-    """The pictures with recordings divided where their numbers leave a long gap.
+    """Divide recordings at long gaps between numbers of pictures.
 
     Raises
     ------
     InputError
-        If that is not certain: neither asked for, nor do the first digits number the scenes.
+        If this was not requested, and the first digits do not number the scenes.
     """
     if how == "numbers":
         return named
@@ -372,14 +371,14 @@ def _scene(recording: str, scene: str) -> str:
 
 
 def _scene_digits(digits: Sequence[str], part: np.ndarray) -> int:
-    """How many first digits number the scene, so that each part's frames begin anew; 0: none do.
+    """Return the number of leading digits that identify the scene, 0 if none do.
 
     Parameters
     ----------
     digits
-        Digits at the end of the names, in the order of their numbers.
+        Digits at the end of the names, sorted as numbers.
     part
-        Number of the part of each, between long gaps.
+        Index of each name's part, from 0. Long gaps separate the parts.
     """
     n_digits = {len(text) for text in digits}
     if len(n_digits) != 1:
@@ -388,7 +387,7 @@ def _scene_digits(digits: Sequence[str], part: np.ndarray) -> int:
         heads = pd.Series([text[:width] for text in digits])
         first = pd.Series([int(text[width:]) for text in digits]).groupby(heads).min()
         same = pd.DataFrame({"head": heads, "part": part}).drop_duplicates()
-        # pictures from 0 and from 5000 on may as well be parts of one recording
+        # pictures from 0 and from 5000 on may also be parts of one recording
         begins = (first <= 1).mean() > 0.5 and first.max() <= LATE_START
         if len(same) == heads.nunique() == part[-1] + 1 and begins and int(heads[0]):
             return width
@@ -403,7 +402,7 @@ def _joined(
     *,
     times: NamedTimes | None = None,
 ) -> NamedPictures:
-    """A system's pictures as frames of the truth, where their names or times are the truth's."""
+    """Match a system's pictures to frames of the truth by names or times, if they agree."""
     theirs = truth.table
     row, way = rows_by_name(names, theirs["name"].tolist())
     is_joined = row >= 0
@@ -436,7 +435,7 @@ def _joined(
 
 
 def _check_times(named: NamedPictures, truth: NamedPictures | None, options: ReadOptions) -> None:
-    """Refuse a system's times where the truth has none: at which its frame 0 is, is not known."""
+    """Refuse a system's times if the truth has none, since the time of frame 0 is unknown."""
     is_system = options.role == "detections" and bool(options.recordings)
     if not is_system or named.how != "times" or options.frame_names is not None:
         return
@@ -451,7 +450,7 @@ def _check_times(named: NamedPictures, truth: NamedPictures | None, options: Rea
 def _by_their_times(
     named: NamedPictures, names: Sequence[str], truth: NamedPictures, times: NamedTimes | None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Recording and frame of each picture by the truth's times."""
+    """Find recording and frame of each picture by the truth's times."""
     theirs = truth.table
     their_times = times_in(_stems(theirs["name"].tolist()), is_stated=True)
     own_times = times or times_in(_stems(names), is_stated=True)
@@ -460,7 +459,7 @@ def _by_their_times(
     recording, frame = named.recording.copy(), np.full(len(names), NO_FRAME, np.int64)
     of_truth, of_system = _rows_of(theirs), _rows_of(named.table)
     for name, rows in of_system.items():  # a loop over recordings
-        # one that the truth does not know is told by its times alone
+        # a recording that the truth lacks is identified by its times alone
         there = of_truth.get(name, np.arange(len(theirs)))
         their_ns, first = np.unique(their_times.ns[there], return_index=True)
         there = there[first]
@@ -478,7 +477,7 @@ def _stems(names: Sequence[str]) -> list[str]:
 
 
 def rows_by_name(names: Sequence[str], listed: Sequence[str]) -> tuple[np.ndarray, str]:
-    """The truth's picture of each name, -1 none; and in words how they were compared."""
+    """Match names to listed pictures (row, or -1), and describe the comparison."""
     ours, theirs = plain_names(names)[0], plain_names(listed)[0]
     best, way = rows_by_text(ours, theirs), "pictures found in the truth by their names"
     stems = [[name.rpartition("/")[2] for name in plain] for plain in (ours, theirs)]
@@ -500,7 +499,7 @@ def rows_by_name(names: Sequence[str], listed: Sequence[str]) -> tuple[np.ndarra
 
 
 def rows_by_text(names: Sequence[str], listed: Sequence[str]) -> np.ndarray:
-    """Row of the list that has each text; -1 where none or several have it."""
+    """Return the row of each text in a list, or -1 if no row or several rows have it."""
     index = pd.Index(list(listed))
     rows = np.flatnonzero(~index.duplicated(keep=False))
     place = index[rows].get_indexer(pd.Index(list(names)))
@@ -508,7 +507,7 @@ def rows_by_text(names: Sequence[str], listed: Sequence[str]) -> np.ndarray:
 
 
 def _rows_of(table: pd.DataFrame) -> dict[str, np.ndarray]:
-    """Rows of each recording, in the order in which they come."""
+    """Return the rows of each recording, in order."""
     groups = table.groupby("recording", sort=False).indices
     return {str(name): np.asarray(rows) for name, rows in groups.items()}
 
@@ -526,7 +525,7 @@ def _table(
 
 
 def joined_named(parts: Sequence[NamedPictures]) -> NamedPictures | None:
-    """Pictures of several files as one list; None where there is no list."""
+    """Concatenate lists of pictures, or return None if there are none."""
     if not parts:
         return None
     rates: Mapping[str, float] = {name: rate for part in parts for name, rate in part.rates.items()}
@@ -541,17 +540,17 @@ IMAGE_FOLDERS: Final = (
     *("images", "image", "imgs", "img", "img1", "JPEGImages", "image_2", "image_02"),
     *("frames", "pictures"),
 )
-"""Folders of pictures, which lie where those of the label files do."""
+"""Folders of pictures beside those of label files."""
 LISTS: Final = ("train", "val", "valid", "validation", "trainval", "test", "images")
-"""Lists of pictures: ``train.txt``."""
+"""Names of lists of pictures, such as ``train.txt``."""
 MAX_LIST_BYTES: Final = 64 << 20
 MAX_YAML_BYTES: Final = 1 << 20
 _SPLIT: Final = re.compile(r"^(?:train|val|test):[ \t]*['\"]?([^\s'\"#\[]+)", re.MULTILINE)
 """Pictures of a data set in its YAML file: ``train: images/train``."""
 MIN_FOUND: Final = 0.9
-"""Share of the label files whose pictures a folder or list has to hold."""
+"""Smallest share of label files whose pictures a folder or list has to contain."""
 MIN_REGULAR: Final = 4
-"""Pictures from which on it is no chance that they follow each other in equal steps."""
+"""Number of pictures from which on equal steps are no coincidence."""
 
 
 def pictures_without_file(files: Sequence[SourceFile], folders: Sequence[Path] = ()) -> list[str]:
@@ -581,7 +580,7 @@ def pictures_without_file(files: Sequence[SourceFile], folders: Sequence[Path] =
 
 
 def _listed(folder: Path, folders: Sequence[Path]) -> Iterator[set[str]]:
-    """Yield the stems of pictures in each place where those of label files in a folder may be."""
+    """Yield the stems of pictures in each place that may have those of a folder's label files."""
     places = [folder, *(folder.parent / name for name in IMAGE_FOLDERS)]
     for at, part in enumerate(folder.parts):
         if part.casefold() in LABEL_FOLDERS:
@@ -625,8 +624,8 @@ def _stems_in(path: Path, folder: str) -> set[str]:
 def with_empty_pictures(named: NamedPictures, n_files: int) -> NamedPictures:
     """Separate the pictures without a label file, which stand last, as `NamedPictures.empty`.
 
-    Where most have none, or those with or without one follow each other in equal steps, only
-    some may have been annotated: then none is taken, and a warning asks.
+    If most have none, or pictures with or without one follow each other in equal steps, only some
+    pictures may have been annotated. Then `empty` is None, and a warning asks the user.
     """
     of_files, empty = named.table.iloc[:n_files], named.table.iloc[n_files:]
     parts = named.table.assign(is_empty=np.arange(len(named.table)) >= n_files)

@@ -1,4 +1,4 @@
-"""Recording, and frame number or time, that the name of a file or picture tells."""
+"""Parse recording, and frame number or time, from names of files and pictures."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _ROBOFLOW = re.compile(
     rf"(?:(?:[_\-.](?:{_PICTURE}))*\.rf\.[0-9A-Za-z_\-]{{6,}}|(?<=\d)[_\-](?:{_PICTURE}))$",
     re.IGNORECASE,
 )
-"""``drive_mp4-0031_jpg.rf.0123456789abcdef0123456789abcdef``; or a shorter id."""
+"""``drive_mp4-0031_jpg.rf.0123456789abcdef0123456789abcdef``, or with a shorter id."""
 _COPY = re.compile(
     r"(?<=\d)(?: ?\(\d{1,2}\)| ?- ?(?:Copy|Kopie)(?: ?\(\d+\))?|[ _]copy)$", re.IGNORECASE
 )
@@ -39,21 +39,21 @@ _KIND = re.compile(
     r"(?:[_\-.](?:leftImg8bit(?:_\w+)?|gt(?:Fine|Coarse|Bbox)\w*|lwir|visible|rgb|thermal))+$",
     re.IGNORECASE,
 )
-"""Cityscapes' and the cameras' words, on one side often and on the other not."""
+"""Words of Cityscapes and cameras that often only one side has."""
 _SIZE = re.compile(r"(?<=\d)[_\-]\d{3,4}x\d{3,4}$")
-"""Of a picture that was written in another size: ``frame_0012_640x480``."""
+"""Size in the name of a resized picture: ``frame_0012_640x480``."""
 _OF_VIDEO = re.compile(rf"[_.](?:{_VIDEO})(?=[-_. ]?(?:frame|f)?[-_. ]?\d+$)", re.IGNORECASE)
 _FLIR = re.compile(r"(?:^|.*/)video-(?P<video>[^/]+?)-frame-(?P<frame>\d+)(?:[-.][^/]*)?$")
 _WORDS = re.compile(r"(?:[_\-. ][A-Za-z]+\d{0,2}[A-Za-z]*)+|[A-Za-z]+")
-"""What may be a common ending: ``_det``, ``.left_eye``, ``_cam2``; never ``_I00019``."""
+"""Possible common endings: ``_det``, ``.left_eye``, ``_cam2``, but not ``_I00019``."""
 _LABEL_STUDIO = re.compile(r"^[0-9a-f]{8}-(?=.*\d)")
 MIN_NAMES: Final = 4
-"""Names from which on a common ending with a number of its own is one."""
+"""Smallest number of names for a common ending that contains a number."""
 
 
-@lru_cache(maxsize=1 << 15)  # each list of pictures is gone through several times
+@lru_cache(maxsize=1 << 15)  # lists of pictures are processed several times
 def plain_name(name: str) -> str:
-    """Folders and stem of a picture's name, without what tools add to it.
+    """Return folders and stem of a picture's name, without additions by tools.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def plain_name(name: str) -> str:
         return f"{flir['video']}/{flir['frame']}"
     folders, slash, last = name.rpartition("/")
     stem, before = _ENDINGS.sub("", last), ""
-    while stem != before:  # of pictures exported twice each time once more
+    while stem != before:  # repeated exports add endings repeatedly
         before = stem
         for added in (_ROBOFLOW, _COPY, _KIND, _SIZE):
             stem = added.sub("", stem) or stem
@@ -76,7 +76,7 @@ def plain_name(name: str) -> str:
 
 
 def plain_names(names: Sequence[str]) -> tuple[list[str], str]:
-    """`plain_name` of each, without the ending that all of them share, and that ending."""
+    """Return `plain_name` of each name, without their common ending, and the ending."""
     plain = [name if name.isdecimal() else plain_name(name) for name in names]
     parts = [name.rpartition("/") for name in plain]
     stems = [stem for *_, stem in parts]
@@ -89,11 +89,11 @@ def plain_names(names: Sequence[str]) -> tuple[list[str], str]:
 
 
 _shared_start: Final = os.path.commonprefix
-"""Common beginning of texts, letter by letter."""
+"""Function that returns the common beginning of texts, letter by letter."""
 
 
 def _common_ending(stems: set[str]) -> str:
-    """The last words of the names, where all end in them and a number stands before them."""
+    """Return the last words of the names if all end in them, after a number."""
     if len(stems) < 2:
         return ""
     shared = _shared_start([stem[::-1] for stem in stems])[::-1]
@@ -109,7 +109,7 @@ def _common_ending(stems: set[str]) -> str:
 
 
 def common_beginning(stems: Sequence[str]) -> str:
-    """Common beginning of the stems, up to the first number that differs."""
+    """Return the common beginning of the stems, up to the first number that differs."""
     return _shared_start(stems).rstrip("0123456789")
 
 
@@ -124,16 +124,16 @@ _FRAME = re.compile(
     re.IGNORECASE,
 )
 ONLY: Final = "recording"
-"""Name of a recording that nothing names."""
+"""Name of a recording without a name."""
 MAX_DIGITS: Final = 15
-"""Frame numbers are exact in every table up to here; a longer number is no frame number."""
+"""Most digits of a frame number, which every table stores exactly."""
 
 
 def recording_of(name: str, known: tuple[str, ...] = ()) -> str:
-    """Recording that a file with one whole recording belongs to.
+    """Return the recording of a file that holds one whole recording.
 
-    The part of the path nearest to the file that names a known recording, or the parts that do so
-    together; with none found, the nearest part that is not a neutral word such as ``gt``.
+    It is the known recording that parts of the path name, nearest to the file first. Otherwise it
+    is the nearest part that is not a neutral word such as ``gt``.
 
     Examples
     --------
@@ -155,10 +155,10 @@ def recording_of(name: str, known: tuple[str, ...] = ()) -> str:
 
 @lru_cache(maxsize=4096)
 def known_recording(parts: tuple[str, ...], known: tuple[str, ...]) -> str | None:
-    """The known recording that parts of a path name, alone or together; None if they name none.
+    """Find the known recording that one or more adjacent parts of a path name, or return None.
 
-    The parts nearest to the end win, and of those the longest run. A recording ``set06/V000`` is
-    also found under the name ``set06_V000``.
+    Parts nearest to the end take precedence, then the longest run. The name ``set06_V000`` also
+    matches a recording ``set06/V000``.
     """
     spellings = {name.replace("/", "_"): name for name in known} | {name: name for name in known}
     for end in range(len(parts), 0, -1):
@@ -175,10 +175,10 @@ def recordings_of(
     *,
     stated: Sequence[str | None] | None = None,
 ) -> tuple[list[str], list[str]]:
-    """Recording of each of several files that hold one whole recording each.
+    """Return the recordings of files that hold one whole recording each.
 
-    A known recording in the path comes first, then the name that the data state. A single file is
-    taken for the recording, where only one is known and the data do not state another.
+    A known recording in the path takes precedence over the name that the data state. A single file
+    is the recording if only one is known and the data do not state another.
 
     Parameters
     ----------
@@ -187,17 +187,17 @@ def recordings_of(
     known
         Recordings of the ground truth, if this is not the ground truth.
     stated
-        The recording that the data themselves state for each file, or None.
+        Recording that the data state for each file, or None.
 
     Returns
     -------
     tuple of list of str
-        The recordings, one per file, and what was assumed, in words for the conversion text.
+        Recordings, one per file, and assumptions, for the conversion text.
 
     Raises
     ------
     InputError
-        If two files are of one recording.
+        If two files belong to one recording.
     """
     recordings, facts = [], []
     for name, own in zip(names, stated or [None] * len(names), strict=True):
@@ -228,7 +228,7 @@ def recordings_of(
 
 
 def _folders_apart(names: Sequence[str], one: str, other: str) -> list[str]:
-    """Return the folders at the only place where two paths differ, of all paths as long as these.
+    """Return the folders at the only position where two paths differ, for equally long paths.
 
     Examples
     --------
@@ -244,9 +244,9 @@ def _folders_apart(names: Sequence[str], one: str, other: str) -> list[str]:
 
 
 def recording_and_frame_of(name: str, known: tuple[str, ...] = ()) -> tuple[str, int] | None:
-    """Recording and frame number of a file that holds one frame; None without a number.
+    """Parse the recording and frame number of a file of one frame, or return None without one.
 
-    The number at the end of the file's stem is the frame; the folders and what stands before the
+    The number at the end of the file's stem is the frame. The folders and the text before the
     number are the recording, or the known recording that they name. Neutral folders (``labels``,
     ``annotations``) do not count.
 
@@ -266,7 +266,7 @@ def recording_and_frame_of(name: str, known: tuple[str, ...] = ()) -> tuple[str,
 def place_of_stem(
     folders: Sequence[str], stem: str, known: tuple[str, ...] = ()
 ) -> tuple[str, int] | None:
-    """As `recording_and_frame_of`, from the folders and the name without its ending."""
+    """Do the same as `recording_and_frame_of`, given the folders and the stem."""
     match = _FRAME.match(stem)
     if match is None or len(match["digits"].lstrip("0")) > MAX_DIGITS:
         return None
@@ -274,7 +274,7 @@ def place_of_stem(
 
 
 def recording_before(folders: Sequence[str], prefix: str, known: tuple[str, ...] = ()) -> str:
-    """The recording that folders and what stands before a frame's number or time name."""
+    """Return the recording that folders and the text before a frame's number or time name."""
     own = [*filter(None, [prefix.rstrip("_-. ")])]
     parts = [*(part for part in folders if part.lower() not in NEUTRAL), *own]
     return known_recording((*folders, *own), known) or "/".join(parts) or ONLY
@@ -282,15 +282,15 @@ def recording_before(folders: Sequence[str], prefix: str, known: tuple[str, ...]
 
 DIGITS: Final = re.compile(r"([0-9]+)")
 TIME_DIGITS: Final = 10
-"""A number of so many digits is a time rather than a frame, if there is another number."""
+"""Number of digits from which on a number is a time, if there is another number."""
 MOST_CAMERAS: Final = 8
-"""Most cameras whose names stand behind the frame number."""
+"""Largest number of cameras whose names follow the frame number."""
 _SIGNS: Final = "_-. "
 """Signs between the parts of a name."""
 _REGULAR_SHARE: Final = 0.5
-"""Share of equal steps from which on numbers count frames; times are less even."""
+"""Share of equal steps from which on numbers count frames, since times are less even."""
 _ENDING: Final = re.compile(r"[_\-. ]+[0-9A-Za-z][0-9A-Za-z_\-. ]*")
-"""Name of a camera behind the frame number: ``_left``, ``_cam0``."""
+"""Name of a camera after the frame number: ``_left``, ``_cam0``."""
 
 
 def _before(words: str) -> re.Pattern[str]:
@@ -309,13 +309,13 @@ _STAMP: Final = re.compile(
     r"|(?=[0-9]*[a-f])(?=[a-f]*[0-9])[0-9a-f]{6,}"
     r")(?![0-9A-Za-z])"
 )
-"""A date, a time of day or both; a time in ticks; a hash."""
+"""A date, a time of day or both, a time in ticks, or a hash."""
 _ONE_NUMBER: Final = re.compile(r"(?:.*/)?[^0-9/]*[0-9]{1,9}")
 _HASH: Final = re.compile(r"(?=.*[a-f])(?=.*[0-9])[0-9a-f\-]{6,}", re.IGNORECASE)
 
 
 def likeliest_column(stems: Sequence[Sequence[str]], columns: Iterable[int]) -> int:
-    """Return the number with the most different values; of several a short one, the last."""
+    """Return the column with the most distinct values, preferring short numbers, then the last."""
 
     def usefulness(column: int) -> tuple[int, bool, int]:
         values = {parts[column].lstrip("0") for parts in stems}
@@ -325,22 +325,22 @@ def likeliest_column(stems: Sequence[Sequence[str]], columns: Iterable[int]) -> 
 
 
 def frame_columns(stems: Sequence[Sequence[str]], places: Sequence[str] = ()) -> list[int]:
-    """Return where the frame number may stand in names, the likeliest place first.
+    """Return possible positions of the frame number in names, the most likely one first.
 
-    The frame number increases from picture to picture. A number that all names share is none,
-    nor is one of few values beside another with a value for every picture of a camera.
+    The frame number increases from picture to picture. It is not a number that all names share,
+    nor one of few values if another number has a value for every picture of a camera.
 
     Parameters
     ----------
     stems
-        Texts and numbers of each name in turn, equally many: ``["", "0012", "_cam", "0", ""]``.
+        Alternating texts and numbers of each name, equally many: ``["", "0012", "_cam", "0", ""]``.
     places
-        Folder of each name; empty: one folder holds all.
+        Folder of each name. Empty: all are in one folder.
 
     Returns
     -------
     list of int
-        Indices of the parts; several if the names do not tell.
+        Indices of the parts, several if the names are ambiguous.
     """
     texts = [
         "/".join([place, *parts[::2]])
@@ -356,7 +356,7 @@ def frame_columns(stems: Sequence[Sequence[str]], places: Sequence[str] = ()) ->
     if len(called) == 1:
         return called
     likeliest, last = likeliest_column(stems, varying), varying[-1]
-    # longer numbers are no frame numbers, and may be too long to be computed with
+    # longer numbers are no frame numbers, and may be too large for arithmetic
     alone = [
         column
         for column in varying
@@ -386,29 +386,29 @@ def frame_columns(stems: Sequence[Sequence[str]], places: Sequence[str] = ()) ->
 def frame_last(
     names: Sequence[str], others: Sequence[str], how: str | None
 ) -> tuple[list[str], tuple[str, ...]]:
-    """Return the names with the frame number at the end, and in words which number that is.
+    """Return the names with the frame number at the end, and describe the number.
 
-    The name of a camera behind the number moves before it; other numbers there are dropped.
+    The name of a camera after the number moves before it. Other numbers there are dropped.
 
     Parameters
     ----------
     names
-        Plain names with folders, see `plain_names`.
+        Plain names with folders (see `plain_names`).
     others
-        Those of the ground truth, so that the files of a system are understood alike.
+        Names of the ground truth, so that a system's files are interpreted alike.
     how
         See `ReadOptions.frame_names`.
 
     Raises
     ------
     InputError
-        If two numbers may be the frame number, and `how` does not say which.
+        If two numbers may be the frame number, and `how` does not decide.
     """
     if all(map(_ONE_NUMBER.fullmatch, names)):
         return [*names], ()
     every = list(dict.fromkeys([*names, *others]))
     n_hashes = sum(_HASH.fullmatch(name.rpartition("/")[2]) is not None for name in every)
-    if 2 * n_hashes >= len(every):  # no number of them counts anything
+    if 2 * n_hashes >= len(every):  # names are mostly hashes, whose numbers count nothing
         return [*names], ()
     bare = every if how == "numbers" else _without_stamps(every)
     new = dict(zip(every, bare, strict=True))
@@ -446,7 +446,7 @@ def frame_last(
 
 
 def _without_stamps(names: Sequence[str]) -> list[str]:
-    """Remove dates, times of day and hashes, if a number still tells the names apart."""
+    """Remove dates, times of day and hashes, if a number still distinguishes the names."""
     folders, slashes, stems = zip(*(name.rpartition("/") for name in names), strict=True)
     if len(names) < MIN_NAMES or _STAMP.search(stems[0]) is None:
         return [*names]
@@ -462,7 +462,7 @@ def _without_stamps(names: Sequence[str]) -> list[str]:
 
 
 def _moved(stems: Sequence[Sequence[str]], folders: Sequence[str], column: int) -> list[str]:
-    """Move the camera behind the frame number before it; drop other text behind the number."""
+    """Move a camera after the frame number to its front, and drop other text after the number."""
     starts = ["".join(parts[:column]) for parts in stems]
     for earlier in range(1, column, 2):  # a time or a hash is no recording
         word = stems[0][earlier - 1]
@@ -495,9 +495,9 @@ def _has_digit(texts: Iterable[str]) -> bool:
 
 
 LEAST_TIME: Final = 10**9
-"""Whole numbers from ten digits on are times rather than frames."""
+"""Smallest whole number that is a time rather than a frame (ten digits)."""
 LEAST_STEP: Final = 4
-"""Usual step from which on shorter numbers can be times: milliseconds at 250 Hz."""
+"""Smallest usual step of shorter numbers that can be times: milliseconds at 250 Hz."""
 _SECONDS = re.compile(
     r"(?P<prefix>.*?)(?<!\d)(?P<whole>[1-9]\d{9})(?P<sign>[._\-])(?P<part>\d{3,9})$"
 )
@@ -509,19 +509,19 @@ _DATE = re.compile(
     r"(?:[-_.,s]?(?P<part>\d{1,9}))?Z?$"
 )
 _UNITS: Final = {"seconds": 10**9, "milliseconds": 10**6, "microseconds": 10**3, "nanoseconds": 1}
-"""Nanoseconds of each."""
+"""Nanoseconds per unit."""
 _EPOCH: Final = (10**9, 22 * 10**8)
-"""Seconds since 1970 of the years 2001 to 2039."""
+"""Range of seconds since 1970 for the years 2001 to 2039."""
 RATES: Final = (0.05, 300.0)
-"""Pictures per second that a camera takes."""
+"""Range of plausible frame rates of a camera, 1/s."""
 _USUAL_RATES: Final = np.array([*range(1, 301), 7.5, 12.5, 23.976, 29.97, 59.94, 119.88])
 _SNAP: Final = 0.005
 _JITTER: Final = 0.3
-"""How far steps between pictures may differ from whole periods, in periods ..."""
+"""Largest deviation of steps between pictures from whole periods, in periods ..."""
 _EVEN_SHARE: Final = 0.9
-"""... for this share of them."""
+"""... for this share of the steps."""
 _NEAR_STEPS: Final = 3
-"""Periods up to which steps are held against the period: in longer gaps its error adds up."""
+"""Longest step, in periods, that is compared with the period, whose error adds up."""
 
 
 @dataclass(frozen=True)
@@ -531,11 +531,11 @@ class NamedTimes:
     Attributes
     ----------
     prefix
-        What stands before the time in each name.
+        Text before the time in each name.
     ns
-        Nanoseconds, int64, shape (n,); from 1970 or from any other moment.
+        Nanoseconds since 1970 or any other moment, int64, shape (n,).
     unit
-        In words, what the numbers are: "milliseconds".
+        Name of the unit: "milliseconds".
     """
 
     prefix: list[str]
@@ -544,9 +544,9 @@ class NamedTimes:
 
 
 def times_in(stems: Sequence[str], *, is_stated: bool = False) -> NamedTimes | None:
-    """The times that all the names end in; None: they do not, or no camera takes pictures so.
+    """Parse the times at the end of all names, or return None if they are not plausible.
 
-    Numbers of fewer than ten digits are times only where somebody says so (`is_stated`).
+    Numbers of fewer than ten digits are times only if the user says so (`is_stated`).
 
     Examples
     --------
@@ -565,7 +565,7 @@ def times_in(stems: Sequence[str], *, is_stated: bool = False) -> NamedTimes | N
 
 
 def _of_seconds(matches: Sequence[re.Match[str]], prefix: list[str]) -> NamedTimes | None:
-    # after a point digits are a fraction; else nanoseconds may lack their leading zeros
+    # digits after a point are a fraction, but other nanoseconds may lack leading zeros
     is_fraction = matches[0]["sign"] == "." or len({len(match["part"]) for match in matches}) == 1
     parts = [match["part"].ljust(9, "0") if is_fraction else match["part"] for match in matches]
     whole = np.array([int(match["whole"]) for match in matches], np.int64)
@@ -580,14 +580,14 @@ def _of_ticks(matches: Sequence[re.Match[str]], prefix: list[str]) -> NamedTimes
 
 
 def times_of_numbers(numbers: np.ndarray, prefix: list[str]) -> NamedTimes | None:
-    """Large numbers as times, in the unit in which a camera takes such pictures.
+    """Convert large numbers to times, in the unit that gives a plausible frame rate.
 
     Parameters
     ----------
     numbers
         int64 or float64, shape (n,).
     prefix
-        What stands before each: pictures with another prefix are of another recording.
+        Text before each number. Different prefixes are different recordings.
     """
     low, high = numbers.min(), numbers.max()
     for unit, ns in _UNITS.items():
@@ -599,7 +599,7 @@ def times_of_numbers(numbers: np.ndarray, prefix: list[str]) -> NamedTimes | Non
     step = _usual_step(numbers, prefix)
     if step is None or (high < LEAST_TIME and step < LEAST_STEP):
         return None
-    # since the start of something: of units that a camera's rate allows, that nearest to 10 Hz
+    # counted from some start: use the unit with a plausible rate that is nearest to 10 Hz
     rate = {unit: 1e9 / (step * ns) for unit, ns in _UNITS.items()}
     unit = min(rate, key=lambda name: abs(np.log10(rate[name] / 10)))
     if not RATES[0] <= rate[unit] <= RATES[1] or float(high) * _UNITS[unit] >= 2**63:
@@ -626,20 +626,20 @@ def _of_dates(matches: Sequence[re.Match[str]], prefix: list[str]) -> NamedTimes
 
 
 def _usual_step(numbers: np.ndarray, prefix: list[str]) -> float | None:
-    """Usual distance of neighbours of one prefix; None where there are none."""
+    """Return the usual step between neighbours of one prefix, or None without neighbours."""
     table = pd.DataFrame({"prefix": prefix, "number": numbers}).drop_duplicates()
     steps = table.sort_values("number").groupby("prefix")["number"].diff().dropna()
     return None if steps.empty else float(steps.quantile(0.25))
 
 
 def _is_plausible(ns: np.ndarray, prefix: list[str]) -> bool:
-    """Whether a camera takes pictures at such times; so it is where there is one alone."""
+    """Whether the frame rate of times is plausible. True if there is no step to judge it by."""
     step = _usual_step(ns, prefix)
     return step is None or RATES[0] <= 1e9 / step <= RATES[1]
 
 
 def frames_by_times(ns: np.ndarray) -> tuple[np.ndarray, float, bool]:
-    """Frame number of each time: the first is 0, and pictures that are missing leave gaps.
+    """Return the frame number of each time, from 0, with gaps for missing pictures.
 
     Parameters
     ----------
@@ -649,7 +649,7 @@ def frames_by_times(ns: np.ndarray) -> tuple[np.ndarray, float, bool]:
     Returns
     -------
     tuple
-        Frames, int64, shape (n,); the period in ns, NaN for a single time; and whether the times
+        Frames, int64, shape (n,), the period in ns (NaN for a single time), and whether the times
         are nearly even.
     """
     steps = np.diff(ns).astype(float)
@@ -667,7 +667,7 @@ def frames_by_times(ns: np.ndarray) -> tuple[np.ndarray, float, bool]:
 
 
 def rate_of(period_ns: float) -> float:
-    """Pictures per second; the usual rate where that is within half a per cent."""
+    """Convert a period to pictures per second, rounded to a usual rate within 0.5 %."""
     rate = 1e9 / period_ns
     usual = float(_USUAL_RATES[np.argmin(np.abs(_USUAL_RATES - rate))])
     return usual if abs(rate / usual - 1) <= _SNAP else float(f"{rate:.5g}")
@@ -676,9 +676,9 @@ def rate_of(period_ns: float) -> float:
 def nearest_times(
     ns: np.ndarray, their_ns: np.ndarray, period_ns: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The nearest of known times, -1 where another lies nearer to the same frame.
+    """Find the nearest known time of each time, or -1 if another is nearer to the same frame.
 
-    A time within half a period of one that is known is of the same frame.
+    A time belongs to a known frame if it is within half a period of it.
 
     Parameters
     ----------
@@ -690,12 +690,12 @@ def nearest_times(
     Returns
     -------
     tuple
-        Index of the known time, and how many periods later a time is; int64, shape (n,).
+        Index of the known time, and the number of periods from it to the time, int64, shape (n,).
     """
     middles = their_ns[:-1] + np.diff(their_ns) // 2
     nearest = np.searchsorted(middles, ns)
     away = (ns - their_ns[nearest]).astype(float)
-    period = 2.0**65 if np.isnan(period_ns) else period_ns  # of a single time: all are of its frame
+    period = 2.0**65 if np.isnan(period_ns) else period_ns  # single known time: one frame
     n_periods = np.rint(away / period).astype(np.int64)
     error = np.abs(away - n_periods * period)
     table = pd.DataFrame({"nearest": nearest, "n_periods": n_periods, "error": error})

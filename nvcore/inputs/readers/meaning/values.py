@@ -1,4 +1,4 @@
-"""Values beside the boxes: occlusion, distance, attributes, tracks, sizes; ``seqinfo.ini``."""
+"""Values other than boxes: occlusion, distance, attributes, tracks, sizes, ``seqinfo.ini``."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PARTIAL_OCCLUSION: Final = 0.35
 
 
 def levels_of_visible_share(visible: np.ndarray) -> np.ndarray:
-    """Levels from the visible share in [0, 1]; UNKNOWN_OCCLUSION where it is NaN or outside."""
+    """Convert visible shares to levels, UNKNOWN_OCCLUSION if NaN or outside [0, 1]."""
     occluded = 1 - visible
     level = np.where(occluded <= 0, 0, np.where(occluded <= PARTIAL_OCCLUSION + 1e-9, 1, 2))
     is_known = (visible >= 0) & (visible <= 1)
@@ -31,13 +31,13 @@ def levels_of_visible_share(visible: np.ndarray) -> np.ndarray:
 
 
 def levels_of_numbers(values: np.ndarray) -> np.ndarray:
-    """Levels 0, 1, 2 kept; UNKNOWN_OCCLUSION for everything else, NaN too."""
+    """Keep levels 0, 1, 2, and replace other values by UNKNOWN_OCCLUSION."""
     is_known = np.isin(values, (0.0, 1.0, 2.0))
     return np.where(is_known, values, UNKNOWN_OCCLUSION).astype(np.int8)
 
 
 def level_of_words(words: str) -> int:
-    """Level of JAAD's words (none, part, full) and FLIR's (``no_(fully_visible)``, ...).
+    """Convert words of JAAD (none, part, full) and FLIR (``no_(fully_visible)``) to a level.
 
     Examples
     --------
@@ -56,7 +56,7 @@ def level_of_words(words: str) -> int:
 
 
 def odd_levels(values: np.ndarray, lines: Lines, role: Role) -> list[Finding]:
-    """Finding about numbers that are no level: neither 0, 1, 2, nor -1 or NaN for unknown."""
+    """Report numbers that are not a level: neither 0, 1, 2, nor -1 or NaN for unknown."""
     return lines.finding(
         ~(np.isin(values, (0.0, 1.0, 2.0, -1.0)) | np.isnan(values)),
         "unknown-occlusion",
@@ -68,12 +68,12 @@ def odd_levels(values: np.ndarray, lines: Lines, role: Role) -> list[Finding]:
 
 
 def known_distances(metres: np.ndarray) -> np.ndarray:
-    """The distances in metres; NaN where the files say 0, -1, -1000 or the like; shape (n,)."""
+    """Replace distances that are not positive (0, -1, -1000) by NaN, shape (n,)."""
     return np.where(metres > 0, metres, np.nan)
 
 
 def odd_distances(metres: np.ndarray, lines: Lines, role: Role) -> list[Finding]:
-    """A note on distances that are not above 0."""
+    """Report distances that are not above 0, as a note."""
     return lines.finding(
         metres <= 0,
         "unknown-distance",
@@ -88,12 +88,12 @@ def odd_distances(metres: np.ndarray, lines: Lines, role: Role) -> list[Finding]
 def checked_numbers(
     values: np.ndarray, lines: Lines, name: str, *, high: float = np.inf
 ) -> np.ndarray:
-    """The values of a column, each from 0 to `high` or NaN; infinity is none.
+    """Return the values of a column after checking that they are NaN or finite in [0, high].
 
     Raises
     ------
     FormatError
-        With the line of the first that is outside.
+        If a value is outside, with the line.
     """
     is_good = np.isnan(values) | ((values >= 0) & (values <= high) & ~np.isinf(values))
     expected = f"from 0 to {high:g}" if np.isfinite(high) else "of 0 or more"
@@ -105,7 +105,7 @@ YES: Final = frozenset({"true", "yes"})
 NOTHING: Final = frozenset(
     {"", "false", "no", "none", "nan", "n/a", "unknown", "undefined", "__undefined__"}
 )
-"""Values of an attribute that say nothing of a pedestrian."""
+"""Values of an attribute that carry no information about a pedestrian."""
 NO_CLASSES: Final = frozenset(
     {
         *("ignore", "ignored", "iscrowd", "is_crowd", "crowd", "difficult", "dontcare"),
@@ -115,13 +115,14 @@ NO_CLASSES: Final = frozenset(
         "detectability",
     }
 )
-"""Attributes that are about the box, and what readers use otherwise."""
+"""Attributes about the box, and attributes that readers use in other ways."""
 
 
 def class_of(name: str, value: str) -> str:
-    """Class that an attribute of an annotator stands for; empty: none.
+    """Convert an annotator's attribute to a class, or an empty text.
 
-    A switched-on one is called as the attribute, a choice as what was chosen; numbers are none.
+    The class of a checked attribute is the attribute's name, that of a choice is the chosen value.
+    Numbers are no classes.
 
     Examples
     --------
@@ -142,23 +143,23 @@ def class_of(name: str, value: str) -> str:
 
 
 def joined_classes(classes: Iterable[str]) -> str:
-    """The classes of one box as one text, each once."""
+    """Join the classes of one box to one text, each once."""
     return CLASS_SEPARATOR.join(dict.fromkeys(name for name in classes if name))
 
 
 def attributes_of_boxes(
     boxes: pd.DataFrame, texts: Any, missing: Collection[str] = ("",)
 ) -> pd.DataFrame | None:
-    """The attributes of those boxes that have any; columns of `ATTRIBUTE_DTYPES`, each place once.
+    """Make a table of attributes (`ATTRIBUTE_DTYPES`) with one row per line that has any.
 
     Parameters
     ----------
     boxes
-        Of a reading.
+        Boxes of a reading.
     texts
-        One for each box.
+        Attributes of each box.
     missing
-        Texts that stand for none.
+        Texts that mean no attributes.
     """
     names = names_as_categories(texts, len(texts))
     is_given = ~names.isin(list(missing)) & ~names.isna()
@@ -170,7 +171,7 @@ def attributes_of_boxes(
 
 
 def joined_attributes(tables: Sequence[pd.DataFrame | None]) -> pd.DataFrame | None:
-    """The attributes of all files; None where none has any."""
+    """Concatenate the attributes of all files, or return None if there are none."""
     filled = [table for table in tables if table is not None]
     if not filled:
         return None
@@ -179,14 +180,14 @@ def joined_attributes(tables: Sequence[pd.DataFrame | None]) -> pd.DataFrame | N
 
 
 def is_ambiguous(file: np.ndarray, line: np.ndarray, texts: np.ndarray) -> np.ndarray:
-    """Rows whose line has boxes of different texts, so that a text is of nobody; bool, (n,).
+    """Mark rows whose line has boxes with different texts. Bool, shape (n,).
 
     Parameters
     ----------
     file, line
-        Of each row, int64, shape (n,).
+        File and line of each row, int64, shape (n,).
     texts
-        Object, shape (n,); empty where there is none.
+        Text of each row, object, shape (n,), empty if it has none.
     """
     place = pd.Series(pd.factorize(texts)[0]).groupby([file, line])
     differs: np.ndarray = (place.transform("min") != place.transform("max")).to_numpy()
@@ -198,9 +199,9 @@ TEXT_IDS = "track ids that are no whole numbers were numbered by first appearanc
 
 
 def track_numbers(texts: pd.Series, recording: Any) -> tuple[np.ndarray, bool]:
-    """Track ids as int64, and whether some were text.
+    """Convert track ids to int64, and return whether some were text.
 
-    Whole numbers keep their value (negative ones and empty: NO_TRACK). Other text is numbered in
+    Whole numbers are kept (negative ones and empty: NO_TRACK). Other text is numbered in
     the order of first appearance in its recording, after the recording's largest whole number.
 
     Parameters
@@ -208,19 +209,19 @@ def track_numbers(texts: pd.Series, recording: Any) -> tuple[np.ndarray, bool]:
     texts
         Ids as text or missing, or whole numbers as int64 or float64 with NaN, shape (n,).
     recording
-        Name of each row's recording, shape (n,), or the name of all.
+        Recording of each row, shape (n,), or of all rows.
     """
     if texts.dtype.kind in "fi":
         ids = texts.to_numpy()
         ids = ids if (ids >= 0).all() else np.where(ids >= 0, ids, NO_TRACK)
         return ids.astype(np.int64, copy=False), False
-    coded = names_as_categories(texts, len(texts))  # each text once, however often it stands there
+    coded = names_as_categories(texts, len(texts))  # parse each distinct text once
     distinct = pd.Series(coded.categories, dtype="str").str.strip()
     number = pd.to_numeric(distinct, errors="coerce").to_numpy(dtype=float)
     is_whole = (np.abs(number) < MAX_INTEGER) & (number == np.floor(number))
     is_missing = distinct.str.lower().isin(["", "nan", "none", "null"]).to_numpy(dtype=bool)
     numbers = np.where(is_whole & (number >= 0), number, NO_TRACK).astype(np.int64)
-    # the last of them is for rows without a text, whose code is -1
+    # the last one is for rows without a text, whose code is -1
     track = np.append(numbers, NO_TRACK)[coded.codes]
     is_text = np.append(~is_missing & ~is_whole, False)[coded.codes]
     if not is_text.any():
@@ -241,16 +242,16 @@ def track_numbers(texts: pd.Series, recording: Any) -> tuple[np.ndarray, bool]:
 def recordings_with_sizes(
     pictures: pd.DataFrame, role: Role, place: Callable[[int], tuple[str, str]]
 ) -> tuple[pd.DataFrame, list[Finding]]:
-    """Recordings with the size of their first picture, and pictures of another size.
+    """Make a table of recordings with the size of the first picture, and report other sizes.
 
     Parameters
     ----------
     pictures
         Columns recording, width, height; one row per picture, NaN where not given.
     role
-        What the files hold.
+        Role of the files.
     place
-        Row -> name of its file, and what to write before its size in the example.
+        Function from a row to the name of its file, and the text before its size in the example.
     """
     sides = ["width", "height"]
     sizes = pictures.groupby("recording", sort=False)[sides]
@@ -276,12 +277,12 @@ def recordings_with_sizes(
 
 
 MAX_FRAMES = 10_000_000
-"""Longer than any recording: four days at 30 frames per second."""
+"""Most frames of a recording: four days at 30 frames per second."""
 
 
 @dataclass(frozen=True)
 class SequenceInfo:
-    """What ``seqinfo.ini`` says; NaN or None where it does not, or where there is none.
+    """Facts in ``seqinfo.ini``, NaN or None if they or the file are missing.
 
     Attributes
     ----------
@@ -303,12 +304,12 @@ class SequenceInfo:
 
 
 def sequence_info(file: SourceFile) -> SequenceInfo:
-    """Facts of ``seqinfo.ini`` beside the file or in one of the two folders above.
+    """Read ``seqinfo.ini`` beside the file or in one of the two folders above.
 
     Raises
     ------
     FormatError
-        If it has no section [Sequence], or a value that is no positive number.
+        If it has no section [Sequence], or a value is not a positive number.
     """
     folder = file.path.parent.resolve()
     paths = [place / "seqinfo.ini" for place in (folder, folder.parent, folder.parent.parent)]
@@ -340,7 +341,7 @@ def sequence_info(file: SourceFile) -> SequenceInfo:
 
 
 def _positive(values: configparser.SectionProxy, key: str, file: SourceFile) -> float:
-    """The value, NaN where the key is missing."""
+    """Return the value of a key, NaN if it is missing."""
     text = values.get(key)
     if text is None:
         return math.nan

@@ -1,1 +1,1 @@
-"""Text, JSON and XML to rows, with file and line in every error."""
+"""Parse text, JSON and XML to rows, with file and line in every error."""

@@ -1,4 +1,4 @@
-"""JSON files as lists of records, with errors that name the file, the line and the record."""
+"""Read JSON files as lists of records, with errors that name file, line and record."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
 
 
 def read_json(file: SourceFile) -> object:
-    """Content of a JSON file.
+    """Read a JSON file.
 
     Raises
     ------
@@ -57,13 +57,13 @@ def read_json(file: SourceFile) -> object:
 
 
 def short_json(value: object) -> str:
-    """A value of a JSON file as short text, for errors."""
+    """Format a JSON value as short text, for errors."""
     is_json = value is None or isinstance(value, (bool, dict, list))
     return shortened(json.dumps(value) if is_json else repr(value), 60)
 
 
 def first_other(values: Sequence[object], allowed: set[type]) -> int | None:
-    """Index of the first value that is of none of these types."""
+    """Return the index of the first value of another type."""
     if set(map(type, values)) <= allowed:
         return None
     return next(i for i, value in enumerate(values) if type(value) not in allowed)
@@ -77,7 +77,7 @@ _MASKS: Final = (
 
 
 class Records:
-    """A list of JSON objects of which columns are taken.
+    """List of JSON objects that is read by columns.
 
     Parameters
     ----------
@@ -86,14 +86,14 @@ class Records:
     file
         The file, for errors.
     what
-        What one record is, for errors: "annotation".
+        Term for one record, for errors: "annotation".
     key
-        Field of the document that holds the list; empty where the list is the document.
+        Field of the document that holds the list. Empty if the list is the document.
 
     Raises
     ------
     FormatError
-        If `rows` is no list of objects.
+        If `rows` is not a list of objects.
     """
 
     def __init__(self, rows: object, file: SourceFile, what: str, key: str = "") -> None:
@@ -110,19 +110,19 @@ class Records:
         return len(self.rows)
 
     def error(self, index: int, message: str) -> FormatError:
-        """Error about one record, to be raised."""
+        """Return an error about one record, for the caller to raise."""
         line = _line_of_record(read_text(self.file), self.key, index)
         return self.file.fault(f"{self.what} {index + 1} of {len(self.rows)}: {message}", line)
 
     def check_types(self, values: Sequence[object], allowed: set[type], expected: str) -> None:
-        """Raise FormatError for the first record whose value is of none of these types."""
+        """Raise FormatError for the first record with a value of another type."""
         first = first_other(values, allowed)
         if first is not None:
             raise self.error(first, f"expected {expected}, found {short_json(values[first])}")
 
     @cached_property
     def _layers(self) -> list[tuple[list[dict[str, object]], set[str]]]:
-        """The records, then the objects nested in them, each with the names of its fields."""
+        """Return the records, then the objects nested in them, with the names of their fields."""
         layers = [(self.rows, set(chain.from_iterable(self.rows)))]
         for key in NESTED:
             if key in layers[0][1]:
@@ -132,7 +132,7 @@ class Records:
         return layers
 
     def values(self, *keys: str) -> list[object] | None:
-        """The first of the fields that any record has, None where a record lacks it.
+        """Return the first field that any record has, None where a record lacks it.
 
         None if no record has any of the fields.
         """
@@ -143,7 +143,7 @@ class Records:
         return None
 
     def required(self, *keys: str) -> list[object]:
-        """As `values`, of a field that every record must have."""
+        """Return `values` of a field, or raise FormatError if a record lacks it."""
         values = self.values(*keys)
         if values is None:
             values = [None] * len(self.rows)
@@ -152,7 +152,7 @@ class Records:
         return values
 
     def numbers(self, *keys: str) -> np.ndarray | None:
-        """The first of the fields that any record has, as float64; NaN where missing."""
+        """Return the first field that any record has, as float64, NaN where missing."""
         values = self.values(*keys)
         if values is None:
             return None
@@ -160,7 +160,7 @@ class Records:
         return self.to_floats(values, keys[0])
 
     def flags(self, *keys: str) -> np.ndarray:
-        """Whether any of the fields (0, 1, true, false) is set, bool; missing: not set."""
+        """Mark records in which any of the fields (0, 1, true, false) is set."""
         is_set = np.zeros(len(self.rows), dtype=bool)
         for key in keys:
             values = self.values(key)
@@ -170,15 +170,15 @@ class Records:
         return is_set
 
     def boxes(self) -> np.ndarray:
-        """``bbox`` of every record as float64 of shape (n, 4): x, y, w, h.
+        """Return ``bbox`` of every record as float64 of shape (n, 4): x, y, w, h.
 
-        Where it is missing or empty it is the box around the polygons of ``segmentation``, and NaN
-        where there are none either.
+        A missing or empty one becomes the box around the polygons of ``segmentation``, or NaN if
+        there are none.
 
         Raises
         ------
         FormatError
-            With the first record that has another one, or where no record has any.
+            If no record has one, or a record has an invalid one, with the first such record.
         """
         values = self.values("bbox") or [None] * len(self.rows)
         is_lacking = [value is None or value == [] for value in values]
@@ -207,7 +207,7 @@ class Records:
         return self.to_floats(flat, "bbox").reshape(-1, 4)
 
     def to_floats(self, values: list[object], key: str) -> np.ndarray:
-        """Numbers of a field as float64, None as NaN."""
+        """Convert numbers of a field to float64, None to NaN."""
         try:
             return np.array(values, dtype=float)
         except OverflowError:
@@ -217,7 +217,7 @@ class Records:
 
 
 def _around(shape: object) -> list[float]:
-    """The box around polygons [[x, y, x, y, ...], ...]; NaN where it is none."""
+    """Return the box around polygons [[x, y, x, y, ...], ...], NaN if they are invalid."""
     parts = shape if isinstance(shape, list) else []
     try:
         points = np.concatenate([np.array(part, float).reshape(-1, 2) for part in parts])
@@ -230,7 +230,7 @@ def _around(shape: object) -> list[float]:
 
 
 def _line_of_record(text: str, key: str, index: int) -> int | None:
-    """Line on which a record of a list starts; the text is read again, for an error only."""
+    """Find the line of a record for an error message, by parsing the text again."""
     start = re.search(rf'"{key}"\s*:\s*\[', text) if key else re.search(r"\[", text)
     if start is None:
         return None

@@ -1,4 +1,4 @@
-"""Readings made of rows whose classes are sorted, and of several files."""
+"""Make readings of rows with sorted classes, and join readings of several files."""
 
 from __future__ import annotations
 
@@ -45,22 +45,22 @@ def rows_reading(
     layout: str = "sizes",
     **columns: object,
 ) -> Reading:
-    """The reading of the rows that stay.
+    """Make a reading of the rows to keep.
 
     Parameters
     ----------
     lines, box
-        Where the rows stand; x, y, w, h, each of shape (n,), px.
+        Lines of the rows, and x, y, w, h, each of shape (n,), px.
     places
-        The picture of each file, or the recording of each.
+        Picture or recording of each file.
     facts, findings
-        Of the conversion, and what is odd beside the classes.
+        Facts of the conversion, and findings other than those about classes.
     kind
-        Class of each row, object, shape (n,), where it says the label; empty: none.
+        Class of each row, object, shape (n,), if it determines the label. Empty: none.
     layout
         See `Reading`.
     **columns
-        See `Lines.boxes`; of files of one recording each at least `frame`.
+        See `Lines.boxes`. With recordings as `places`, `frame` is required.
     """
     recordings = places.recording if isinstance(places, NamedPictures) else object_array(places)
     columns = {"recording": recordings[lines.file], "ignore": choice.ignore} | columns
@@ -85,19 +85,19 @@ def rows_reading(
 
 
 def choice_of_rows(numbered: NumberedRows, choice: CategoryChoice) -> ClassChoice:
-    """What becomes of each row, from what becomes of its number."""
+    """Convert a choice of class numbers to a choice of rows."""
     ignore = numbered.among(choice.ignored)
     keep = ignore | numbered.among(choice.counted)
     return ClassChoice(keep, ignore, choice.conversion, choice.findings, choice.left_out)
 
 
 class FilePart(NamedTuple):
-    """What is read of one file: a reading without conversion, and its facts instead.
+    """Reading of one file, with facts in place of its conversion text.
 
     Attributes
     ----------
     kind
-        Class of each box, as the format has it.
+        Class of each box, as in the file.
     """
 
     reading: Reading
@@ -106,12 +106,12 @@ class FilePart(NamedTuple):
 
 
 def joined_parts(parts: Sequence[FilePart], facts: Iterable[str] = ()) -> Reading:
-    """One reading of several files; the first categories and classes are those of all.
+    """Join the readings of several files, with categories and classes of the first.
 
     Parameters
     ----------
     facts
-        Of the conversion, before those of the files.
+        Facts of the conversion that precede those of the files.
     """
     readings = [part.reading for part in parts]
     left_out: Counter[str] = Counter()

@@ -23,24 +23,24 @@ MOST_COLUMNS: Final = 100
 MOST_BYTES: Final = 1 << 28
 SEPARATORS: Final = ",;\t"
 LONGEST_S: Final = 1e8
-"""Of times: what is larger is no time of a recording."""
+"""Largest time of a recording in seconds."""
 _FLAGS: Final = {"1": True, "true": True, "yes": True, "0": False, "false": False, "no": False}
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table of text, whose columns are checked as they are read.
+    """Table of text whose columns are validated when they are read.
 
     Attributes
     ----------
     name
-        Of the file, for errors.
+        Name of the file, for errors.
     fields
         Stripped text of each column, object, shape (n,), by the column's name in lower case.
     lines
         1-based line of each row, int64, shape (n,).
     has_decimal_comma
-        Whether numbers may have a comma: fields are separated by semicolons.
+        Whether numbers may have a decimal comma, since fields are separated by semicolons.
     """
 
     name: str
@@ -55,22 +55,22 @@ class TextTable:
         return column in self.fields
 
     def fault(self, row: int, message: str) -> FormatError:
-        """An error that names the line of a row, for the caller to raise."""
+        """Return an error that names the line of a row, for the caller to raise."""
         return FormatError(message, file=self.name, line=int(self.lines[row]))
 
     def refuse(self, is_wrong: NDArray[np.bool_], message: Callable[[int], str]) -> None:
-        """Raise FormatError for the first row that is wrong, with what `message` says of it."""
+        """Raise FormatError with `message` for the first wrong row, if there is one."""
         if is_wrong.any():
             row = int(np.argmax(is_wrong))
             raise self.fault(row, message(row))
 
     def texts(self, column: str, *, may_be_empty: bool = False) -> NDArray[np.object_]:
-        """The column as text, without the apostrophe that keeps spreadsheets from running it.
+        """Return the column as text, without the apostrophe that escapes formulas in spreadsheets.
 
         Raises
         ------
         FormatError
-            With the first line where it is empty.
+            If a field is empty, with the first such line.
         """
         texts = self.fields[column]
         if not may_be_empty:
@@ -85,12 +85,12 @@ class TextTable:
         high: float = np.inf,
         may_be_empty: bool = False,
     ) -> NDArray[np.float64]:
-        """The column as numbers, float64, shape (n,); an empty field is NaN where it may be empty.
+        """Return the column as float64, shape (n,), with empty fields as NaN if `may_be_empty`.
 
         Raises
         ------
         FormatError
-            With the first line of what is no finite number, or outside the range.
+            If a field is not a finite number in the range, with the first such line.
         """
         texts = self.fields[column]
         values = np.full(len(texts), np.nan)
@@ -109,17 +109,17 @@ class TextTable:
     def whole_numbers(
         self, column: str, *, low: int = 0, if_empty: int | None = None
     ) -> NDArray[np.int64]:
-        """The column as whole numbers of at least `low`, int64, shape (n,).
+        """Return the column as whole numbers of at least `low`, int64, shape (n,).
 
         Parameters
         ----------
         if_empty
-            What an empty field means; None: it is refused.
+            Value of an empty field. None: it is refused.
 
         Raises
         ------
         FormatError
-            With the first line of another field.
+            If there is another field, with the first such line.
         """
         may_be_empty = if_empty is not None
         numbers = self.numbers(column, low=low, high=MAX_INTEGER, may_be_empty=may_be_empty)
@@ -132,12 +132,12 @@ class TextTable:
         return numbers.astype(np.int64)
 
     def flags(self, column: str) -> NDArray[np.bool_]:
-        """The column of 1 and 0 (or true and false, yes and no), bool, shape (n,).
+        """Return the column of 1 and 0 (or true and false, yes and no) as bool, shape (n,).
 
         Raises
         ------
         FormatError
-            With the first line of another field.
+            If there is another field, with the first such line.
         """
         texts = [text.lower() for text in self.fields[column]]
         self.refuse(
@@ -147,12 +147,12 @@ class TextTable:
         return np.array([_FLAGS[text] for text in texts], dtype=np.bool_)
 
     def unique(self, columns: Sequence[str], message: str) -> None:
-        """Refuse a row that has the fields of an earlier one in these columns.
+        """Refuse a row that repeats an earlier one in these columns.
 
         Raises
         ------
         FormatError
-            With the lines of both; `message` may name columns as ``{subject}``.
+            With `message` and the lines of both. It may refer to columns, as in ``{subject}``.
         """
         seen: dict[tuple[str, ...], int] = {}
         for row, key in enumerate(zip(*(self.fields[column] for column in columns), strict=True)):
@@ -162,30 +162,30 @@ class TextTable:
                 raise self.repeated(row, first, text)
 
     def repeated(self, row: int, first: int, message: str) -> FormatError:
-        """An error that names the lines of a row and of an earlier one, for the caller to raise."""
+        """Return an error that names the lines of both rows, for the caller to raise."""
         return self.fault(row, f"{message} (first in line {self.lines[first]})")
 
 
 def parse_table(content: bytes, *, name: str, what: str, required: Sequence[str]) -> TextTable:
-    """A table from CSV text with a header; columns may stand in any order.
+    """Parse CSV text with a header, whose columns may be in any order.
 
     Fields are separated by comma, semicolon or tab, whichever is commonest in the first line. Blank
-    lines are passed over.
+    lines are skipped.
 
     Parameters
     ----------
     name
-        Of the file, for errors.
+        Name of the file, for errors.
     what
-        What the rows are, as in "this is no CSV table of boxes".
+        Kind of the rows, as in "this is no CSV table of boxes".
     required
-        Columns that must be there.
+        Required columns.
 
     Raises
     ------
     FormatError
-        If it is no such text, is empty or too large, a line has more or fewer fields than the
-        first, or a column is missing or there twice.
+        If the content is not such text, is empty or too large, a line has more or fewer fields
+        than the first, or a column is missing or repeated.
     """
     no_table = f"this is no CSV table of {what}"
     try:
@@ -238,12 +238,12 @@ def parse_table(content: bytes, *, name: str, what: str, required: Sequence[str]
 
 
 def read_table(path: Path, *, what: str, required: Sequence[str]) -> TextTable:
-    """A table from a CSV file; see `parse_table`.
+    """Read a CSV file as `parse_table` does.
 
     Raises
     ------
     InputError
-        If it cannot be opened, or is no such table.
+        If the file cannot be opened or is not such a table.
     """
     try:
         with path.open("rb") as stream:
@@ -258,28 +258,28 @@ def read_table(path: Path, *, what: str, required: Sequence[str]) -> TextTable:
 def read_series(
     path: Path, column: str, *, what: str, high: float = np.inf, zero: str = "frame 0"
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Readings over the time of a recording.
+    """Read a CSV file of readings over the time of a recording.
 
     Parameters
     ----------
     column
-        Of the readings, beside time_s.
+        Column of the readings, next to time_s.
     what
-        What the readings are, as of `parse_table`.
+        Kind of the readings, as in `parse_table`.
     high
-        Largest reading that can be.
+        Largest possible reading.
     zero
         Frame of the recording that is at 0 s.
 
     Returns
     -------
-    Seconds, ascending, and readings, 0 to `high`; float64, shape (n,).
+    Seconds (ascending) and readings (0 to `high`), float64, shape (n,).
 
     Raises
     ------
     InputError
-        If it cannot be opened, or, with the line, a field is no number, a reading is out of range,
-        a time is not after the one before, or no time of a recording (`LONGEST_S`).
+        If the file cannot be opened, a field is not a number, a reading is out of range, or a time
+        is too large (`LONGEST_S`) or not after the one before, with the line.
     """
     table = read_table(path, what=what, required=("time_s", column))
     time_s = table.numbers("time_s")
@@ -302,7 +302,7 @@ def read_series(
 
 
 def _meant(absent: Sequence[str], header: Sequence[str], required: Sequence[str]) -> str:
-    """Which columns that are not asked for may be a missing one misspelt; empty: none."""
+    """Suggest other columns that may be misspelt required ones, or return an empty text."""
     others = [column for column in header if column and column not in required]
     close = [(column, get_close_matches(column, absent, n=1)) for column in others]
     return "".join(f"; is {column} {names[0]}?" for column, names in close if names)

@@ -16,15 +16,15 @@ from nvcore.wording import shortened
 MAX_INTEGER = 2.0**53
 """Largest number that is exact as float64: frame numbers and track ids stay below it."""
 _SMALL = 2048
-"""Bytes below which the careful parser is as quick as starting pyarrow (one file per frame)."""
+"""Bytes below which the careful parser is as fast as starting pyarrow (one file per frame)."""
 _ODD_BLOCK = 1 << 20
-"""Bytes of lines that are read one by one because one of them is odd."""
+"""Bytes of a block of lines that is read line by line if one of them is odd."""
 BLOCK = 1 << 24
-"""Bytes that pyarrow takes at a time; measured: twice as quick as its default of 1 MiB."""
+"""Bytes that pyarrow reads at a time. Measured: twice as fast as its default of 1 MiB."""
 
 
 def read_bytes(file: SourceFile) -> bytes:
-    """Content of a file.
+    """Read the decompressed content of a file.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def read_bytes(file: SourceFile) -> bytes:
 
 
 def read_text(file: SourceFile) -> str:
-    """Content of a UTF-8 text file, without its byte order mark.
+    """Read a UTF-8 text file, without its byte order mark.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def read_text(file: SourceFile) -> str:
 
 
 def read_text_bytes(file: SourceFile) -> bytes:
-    """As `read_text`, as the bytes of UTF-8: quicker where nobody needs the characters."""
+    """Read a UTF-8 text file as bytes, which is faster than `read_text`."""
     content = read_bytes(file)
     if not content.isascii():
         _decode(content, file)
@@ -63,7 +63,7 @@ def _decode(content: bytes, file: SourceFile) -> str:
         kind = binary_kind(content)
         if kind is not None:
             raise file.fault(f"expected UTF-8 text, found {kind}") from error
-        # the codec counts from behind the byte order mark
+        # the codec counts from the end of the byte order mark
         before, wrong = error.object[: error.start], error.object[error.start]
         raise file.fault(
             f"expected UTF-8 text, found byte 0x{wrong:02x}; is it another kind of file?",
@@ -73,17 +73,16 @@ def _decode(content: bytes, file: SourceFile) -> str:
 
 @dataclass(frozen=True)
 class NumberTable:
-    """A table of numbers from text files.
+    """Table of numbers from text files.
 
     Attributes
     ----------
     columns
-        One float64 array of shape (n,) per column that is a number; empty fields and columns that
-        a row lacks are NaN.
+        One float64 array of shape (n,) per column of numbers. Empty and missing fields are NaN.
     lines
-        Where each row stands.
+        File and line of each row.
     label
-        The column of text, object, shape (n,), where the layout has one.
+        Column of text, object, shape (n,), if the layout has one.
     """
 
     columns: list[np.ndarray]
@@ -96,14 +95,14 @@ class NumberTable:
 
 @dataclass(frozen=True)
 class TextLayout:
-    """How the rows of a text file without header look.
+    """Layout of the rows of a text file without header.
 
     Attributes
     ----------
     n_columns
         Allowed numbers of columns.
     what
-        What the fields are, for errors: "frame,id,left,top,width,height,...".
+        Names of the fields, for errors: "frame,id,left,top,width,height,...".
     delimiter
         ``","`` or ``" "`` (any white space).
     label_at
@@ -111,7 +110,7 @@ class TextLayout:
     whole
         Columns of whole numbers, which distinguish this format from others.
     comment
-        Lines that begin with this are passed over; empty: there are no comments.
+        Prefix of lines to skip. Empty: there are no comments.
     """
 
     n_columns: tuple[int, ...]
@@ -123,16 +122,16 @@ class TextLayout:
 
     @property
     def n_numbers(self) -> int:
-        """Columns that are numbers, in the longest rows."""
+        """Number of columns with numbers in the longest rows."""
         return max(self.n_columns) - (self.label_at is not None)
 
     def fits(self, head: str, *, n_rows: int = 20) -> bool:
-        """Whether the first rows of a file, of which there is at least one, look like this."""
+        """Whether a file has rows and the first ones have this layout."""
         rows = rows_of_text(head, delimiter=self.delimiter)[:n_rows]
         return bool(rows) and all(map(self._is_row, rows))
 
     def _is_row(self, fields: list[str]) -> bool:
-        """Whether the fields of a row are as many and of the kinds that they should be."""
+        """Whether the number and kinds of a row's fields are right."""
         if len(fields) not in self.n_columns or not all(is_whole(fields[i]) for i in self.whole):
             return False
         if self.label_at is None:
@@ -144,16 +143,16 @@ class TextLayout:
 
 
 def read_numbers(file: SourceFile, layout: TextLayout) -> NumberTable:
-    """Read a text file without header in which every field, but for one label, is a number.
+    """Read a text file without header in which every field except one label is a number.
 
-    Empty lines are passed over, an empty file gives no rows.
+    Empty lines are skipped. An empty file gives no rows.
 
     Raises
     ------
     InputError
         If the file cannot be opened.
     FormatError
-        With the first line that has another number of columns or a field that is no number.
+        If a line has another number of columns, or a field is not a number, with the first line.
     """
     content = read_bytes(file).removeprefix(b"\xef\xbb\xbf")
     if b"\r" in content:
@@ -168,12 +167,12 @@ def read_numbers(file: SourceFile, layout: TextLayout) -> NumberTable:
 
 
 def stacked(tables: Sequence[NumberTable]) -> NumberTable:
-    """Rows of several files in one table.
+    """Concatenate the rows of several files.
 
     Parameters
     ----------
     tables
-        Of one layout, each of a single file.
+        Tables of one layout, each of a single file.
 
     Raises
     ------
@@ -196,7 +195,7 @@ def stacked(tables: Sequence[NumberTable]) -> NumberTable:
 def _fast(
     content: bytes, file: SourceFile, layout: TextLayout, first_line: int = 1
 ) -> NumberTable | None:
-    """The table by pyarrow, or None where the careful parser must look."""
+    """Parse the table by pyarrow, or return None to use `_careful`."""
     begin = len(content) - len(content.lstrip())
     end = content.find(b"\n", begin)
     first = content[begin:end] if end >= 0 else content[begin:]
@@ -215,7 +214,7 @@ def _fast(
         )
     except pa.ArrowInvalid:
         return None
-    # between blanks, an empty field is only a second blank
+    # with blanks as delimiter, an empty field is only a second blank
     if layout.delimiter == " " and any(column.null_count for column in table.columns):
         return None
     columns = [column.to_numpy() for column in table.columns]
@@ -226,7 +225,7 @@ def _fast(
 
 
 def line_blocks(content: bytes) -> Iterator[tuple[int, bytes]]:
-    """Whole lines of some `_ODD_BLOCK` bytes at a time, and how many lines stand before them."""
+    """Yield the number of lines before each block, and blocks of about `_ODD_BLOCK` bytes."""
     start = n_before = 0
     while start < len(content):
         end = content.find(b"\n", start + _ODD_BLOCK) + 1 or len(content)
@@ -236,7 +235,7 @@ def line_blocks(content: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def _by_blocks(content: bytes, file: SourceFile, layout: TextLayout) -> NumberTable:
-    """The table, row by row only where a block of lines has an odd one."""
+    """Parse the table by blocks of lines, row by row only in blocks with an odd line."""
     if not content.isascii():
         _decode(content, file)
     tables = []
@@ -250,7 +249,7 @@ def _by_blocks(content: bytes, file: SourceFile, layout: TextLayout) -> NumberTa
 
 
 def _lines(content: bytes, n_rows: int) -> np.ndarray:
-    """1-based line of each row: pyarrow passes over empty lines and does not count them."""
+    """Return the 1-based line of each row, since pyarrow skips empty lines without counting."""
     if n_rows == content.count(b"\n") + (not content.endswith(b"\n")):
         return np.arange(1, n_rows + 1)
     ends = np.flatnonzero(np.frombuffer(content + b"\n", dtype=np.uint8) == ord("\n"))
@@ -258,7 +257,7 @@ def _lines(content: bytes, n_rows: int) -> np.ndarray:
 
 
 def _careful(text: str, file: SourceFile, layout: TextLayout, first: int = 1) -> NumberTable:
-    """Row by row, for files with ragged rows, odd spacing or a fault to be named."""
+    """Parse row by row, for files with ragged rows, odd spacing or an error to report."""
     rows: list[list[float]] = []
     lines: list[int] = []
     labels: list[str] = []
@@ -293,7 +292,7 @@ def _careful(text: str, file: SourceFile, layout: TextLayout, first: int = 1) ->
 
 
 def number_of(field: str) -> float | None:
-    """The field as a number, NaN where it is empty, None where it is anything else."""
+    """Parse a field as a number, NaN if it is empty, or return None."""
     field = field.strip()
     if len(field) > 1 and field[0] == field[-1] == '"':
         field = field[1:-1].strip()
@@ -308,16 +307,16 @@ def number_of(field: str) -> float | None:
 
 
 def whole_numbers(values: np.ndarray, lines: Lines, what: str) -> np.ndarray:
-    """The values as int64.
+    """Convert whole numbers to int64.
 
     Raises
     ------
     FormatError
-        With the line of the first value that is not a whole number (``1.0`` is one).
+        If a value is not a whole number (``1.0`` is one), with the first line.
     """
     with np.errstate(invalid="ignore"):
         whole = values.astype(np.int64, copy=False)
-        # no np.abs: that of the lowest integer, which NaN and infinity become, is negative
+        # not np.abs, which is negative for the lowest integer, the result of NaN and infinity
         is_good = (whole > -MAX_INTEGER) & (whole < MAX_INTEGER)
         if whole is not values:
             is_good &= whole == values
@@ -326,7 +325,7 @@ def whole_numbers(values: np.ndarray, lines: Lines, what: str) -> np.ndarray:
 
 
 def rows_of_text(head: str, *, delimiter: str = ",") -> list[list[str]]:
-    """Fields of the first lines of a file, to recognise its format; a cut last line is left out.
+    """Split the first lines of a file into fields, without an incomplete last line.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Name the kind of a file that no reader recognises, by its beginning, for helpful errors."""
+"""Identify files that no reader recognises by their beginning, for helpful errors."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from nvcore.inputs.readers.parse.json import read_json
 from nvcore.inputs.readers.parse.xml import DECLARES
 
 _MAX_KEYS: Final = 8
-"""How many keys of a JSON file are named."""
+"""Number of keys of a JSON file in messages."""
 _MAX_JSON_BYTES: Final = 1 << 28
-"""A larger JSON file is not parsed only to name its keys."""
+"""Largest JSON file that is parsed to name its keys."""
 _ROOT: Final = re.compile(r"<([A-Za-z_][\w.:-]{0,60})")
 _EXPECTED: Final[dict[Role, str]] = {
     "truth": "a COCO object with the lists 'images', 'annotations' and 'categories'",
     "detections": "a list of COCO results, each with 'image_id', 'bbox' and 'score'",
 }
-"""What JSON is expected to be, by role."""
+"""Expected kinds of JSON, by role."""
 _COCO: Final = "export COCO instead"
 _FOREIGN: Final[tuple[tuple[str, str, str], ...]] = (
     ('"gtboxes"', "CrowdHuman's .odgt", "convert it to COCO"),
@@ -117,14 +117,14 @@ _FOREIGN: Final[tuple[tuple[str, str, str], ...]] = (
         "",
     ),
 )
-"""Formats that are not read: mark of the beginning of a file, name, what to do instead.
+"""Unsupported formats: pattern of the beginning of a file, name, and advice.
 
-In JSON and XML a dot of a mark stands for a line end, too; in other text it does not.
+A dot in a pattern matches a line end in JSON and XML, but not in other text.
 """
 
 
 def foreign_format(head: str) -> str | None:
-    """Name the format of a file that no reader reads, and what to do; None if it is unknown."""
+    """Name the format of an unsupported file, with advice, or return None if it is unknown."""
     text = head.lstrip("\ufeff \t\r\n").replace("\r\n", "\n")
     flags = re.DOTALL if text.startswith(("{", "[", "<")) else re.MULTILINE
     for mark, name, instead in _FOREIGN:
@@ -134,7 +134,7 @@ def foreign_format(head: str) -> str | None:
 
 
 def describe_foreign(file: SourceFile, head: str, role: Role) -> str | None:
-    """What a file of JSON or XML is, and what was expected instead; None for any other text.
+    """Describe the kind of a JSON or XML file and the expected kind, or return None.
 
     Parameters
     ----------
@@ -143,12 +143,12 @@ def describe_foreign(file: SourceFile, head: str, role: Role) -> str | None:
     head
         Its beginning as text.
     role
-        What it should hold.
+        Role that it should have.
 
     Raises
     ------
     FormatError
-        If it begins as JSON does, but is none.
+        If it begins like JSON but is invalid.
     """
     text = head.lstrip("\ufeff \t\r\n")
     if text.startswith(("{", "[")):
@@ -161,7 +161,7 @@ def describe_foreign(file: SourceFile, head: str, role: Role) -> str | None:
 def _xml_kind(text: str) -> str:
     if "<!DOCTYPE" in text:
         return f"XML that {DECLARES}"
-    # the root element comes behind the declaration and comments
+    # the root element follows the declaration and comments
     root = _ROOT.search(re.sub(r"<!--.*?-->|<[?!][^>]*>", "", text, flags=re.DOTALL))
     if root is not None and root[1] == "annotations":  # a single annotation is always recognised
         return "XML with the root <annotations>, without the <track> or <image> of CVAT"

@@ -1,4 +1,4 @@
-"""Elements of an XML file one after the other, with their lines; entities and DTDs forbidden."""
+"""Read elements of an XML file one by one, with lines, refusing entities and DTDs."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ DECLARES: Final = (
     "DOCTYPE"
 )
 MAX_DEPTH: Final = 32
-"""Deepest nesting that is read; no annotation format comes near it."""
+"""Deepest nesting, far more than any annotation format has."""
 _CHUNK: Final = 1 << 16
-# atomic groups: many comments must not make the search try every way to split them
+# atomic groups prevent catastrophic backtracking on many comments
 _ROOT = re.compile(r"\s*(?><\?xml[^>]*>\s*)?(?><!--.*?-->\s*)*<(?P<root>[\w:.-]+)", re.DOTALL)
 
 
@@ -38,7 +38,7 @@ class Element:
     file, line
         The file, and the 1-based line of its start.
     parent
-        The element around it; None for the root.
+        The element that contains it. None for the root.
     parts
         Pieces of its text, without that of inner elements.
     """
@@ -71,16 +71,16 @@ class Element:
         return "".join(self.parts).strip()
 
     def fault(self, message: str) -> FormatError:
-        """The error that refuses the element; to be raised."""
+        """Return an error about the element, for the caller to raise."""
         return self.file.fault(message, self.line)
 
     def number(self, text: str | None, what: str) -> float:
-        """A text of the element as a number, NaN where it is empty.
+        """Parse a text of the element as a number, NaN if it is empty.
 
         Raises
         ------
         FormatError
-            If it is missing (None) or no number.
+            If it is missing (None) or not a number.
         """
         if text is None:
             raise self.fault(f"expected {what}, found none")
@@ -93,12 +93,12 @@ class Element:
         raise self.fault(f"expected a number as {what}, found {text[:60]!r}")
 
     def whole_number(self, text: str | None, what: str) -> int:
-        """A text of the element as a whole number (``3.0`` is one).
+        """Parse a text of the element as a whole number (``3.0`` is one).
 
         Raises
         ------
         FormatError
-            If it is missing (None), empty or no whole number.
+            If it is missing (None), empty or not a whole number.
         """
         value = self.number(text, what)
         if not (abs(value) < MAX_INTEGER and value == int(value)):
@@ -107,7 +107,7 @@ class Element:
 
 
 class _Collector:
-    """Target of the parser: keeps the open elements and hands out the closed ones."""
+    """Target of the parser that keeps open elements and returns closed ones."""
 
     def __init__(self, file: SourceFile, root: str):
         self.file, self.root = file, root
@@ -130,7 +130,7 @@ class _Collector:
         self.open.append(Element(path, attributes, self.file, line, parent))
 
     def data(self, text: str) -> None:
-        # text that is nothing but line ends and indentation is not worth keeping
+        # drop line ends and indentation
         if not text.isspace():
             self.open[-1].parts.append(text)
 
@@ -140,15 +140,15 @@ class _Collector:
 
 
 def root_of(head: str) -> str:
-    """Name of the outermost element of an XML file, from its beginning; empty if it has none."""
+    """Return the name of the root element of an XML file, from its beginning, or empty."""
     match = _ROOT.match(head.removeprefix("\ufeff"))
     return "" if match is None else match["root"]
 
 
 def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:
-    """Elements of an XML file in the order in which they end, inner ones before outer ones.
+    """Yield the elements of an XML file in the order in which they end, inner ones first.
 
-    The file is read in pieces: memory is freed as the caller lets elements go.
+    The file is read in pieces, so that memory is freed when the caller drops elements.
 
     Raises
     ------
@@ -174,7 +174,7 @@ def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:
             ) from error
         except DefusedXmlException as error:
             raise file.fault(DECLARES, collector.expat.CurrentLineNumber) from error
-        except (LookupError, ValueError) as error:  # encodings that expat cannot have
+        except (LookupError, ValueError) as error:  # encodings that expat does not support
             raise file.fault(
                 f"expected XML in UTF-8, found another encoding: {error}", 1
             ) from error
@@ -183,7 +183,7 @@ def read_elements(file: SourceFile, *, root: str) -> Iterator[Element]:
 
 
 def _pieces(file: SourceFile) -> Iterator[bytes]:
-    """The file in pieces, then an empty one."""
+    """Yield the file in pieces, then an empty one."""
     with file.open() as stream:
         while piece := stream.read(_CHUNK):
             yield piece
@@ -196,5 +196,5 @@ def is_true(text: str | None) -> bool:
 
 
 def file_stem(name: str) -> str:
-    """File name without folders and ending."""
+    """Return a file's name without folders and ending."""
     return PurePosixPath(name.replace("\\", "/")).stem
