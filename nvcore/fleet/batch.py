@@ -49,7 +49,7 @@ def scan_batch(tables: Mapping[str, pa.Table], params: ScanParams) -> dict[str, 
     Raises
     ------
     InputError
-        If a recording is there twice.
+        If a recording occurs twice.
     """
     batch, refused, parts = _Batch(tables, params), dict[str, str](), []
     waiting = batch.alike(refused)
@@ -60,7 +60,7 @@ def scan_batch(tables: Mapping[str, pa.Table], params: ScanParams) -> dict[str, 
         except NvcoreError as error:
             if len(names) == 1:
                 refused[names[0]] = str(error)
-            else:  # find the one at fault: compare each half by itself
+            else:  # bisect to find the recording that fails
                 waiting += [names[: len(names) // 2], names[len(names) // 2 :]]
     return gather(parts, refused, has_frames=params.frames)
 
@@ -123,7 +123,7 @@ class _Batch:
         sources = [self._sources.get((name, params.truth), {"kind": "absent"}) for name in names]
         truth = [of["kind"] or TRUTH_KINDS[0] for of in sources]
         tables = result_tables(result, truth, params.frames)
-        result.forget()  # it holds itself: free it now
+        result.forget()  # break its reference cycle to free memory now
         return tables
 
     def dataset(self, names: Sequence[str], *, each_alone: bool = False) -> Dataset:
@@ -170,7 +170,7 @@ class _Batch:
         Raises
         ------
         InputError
-            If it cannot be compared.
+            If the recording cannot be compared.
         """
         own = self._params
         for of in (own.x, own.y):
@@ -274,7 +274,7 @@ def _places(number: np.ndarray, listed: np.ndarray, whose: str) -> np.ndarray:
     Raises
     ------
     InputError
-        If the listed ones are not in order, or one is missing.
+        If listed frames are not sorted, or a frame is missing.
     """
     if (np.diff(listed) <= 0).any():
         raise InputError(f"{whose}: its frames are not in order; ingest it again")

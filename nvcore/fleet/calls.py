@@ -1,6 +1,6 @@
 """Python API of stores and scans, such as `nvcore.ingest` and `nvcore.scan`, with arguments.
 
-The commands read the arguments: numpy, and what stores need, are imported within the calls.
+Commands import this module for its arguments, so calls import numpy and the packages for stores.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ BYTES_OF_WORKER: Final = 1_000_000_000
 RUN: Final = "How it is run"
 SELECTION: Final = "Selection"
 FRAMES_PER_BATCH: Final = 100_000
-"""A worker with so many frames takes some 0.9 GB, if there are 11 boxes in each."""
+"""Default size of batches, for which a worker takes about 0.9 GB with 11 boxes per frame."""
 
 
 @arguments
@@ -178,12 +178,12 @@ def ingest(
     ----------
     inputs
         Session files, folders that are searched for session files, sessions, or datasets made by
-        `load`. One that cannot be read is left out whole, see `Ingested.errors`.
+        `load`. Inputs that cannot be read are skipped entirely (see `Ingested.errors`).
     store
-        A folder, ``s3://bucket/folder`` (with what the environment says of the server), or what
-        `open_store` returns; a new one is made.
+        A folder, ``s3://bucket/folder`` (with the server's settings from the environment), or the
+        result of `open_store`. A missing store is created.
     labels
-        What to call these versions, by ``truth`` or the system's name: ``{"FIR": "2026-03"}``.
+        Labels of these versions, by ``truth`` or the system's name: ``{"FIR": "2026-03"}``.
     truth_kind
         Whether the ground truth is ``"annotated"`` by people, ``"automatic"``, or ``"absent"``.
         Empty: as the store has it, else annotated.
@@ -195,16 +195,16 @@ def ingest(
     Returns
     -------
     Ingested
-        What was appended, and what could not be.
+        Appended versions, and errors by input.
 
     Raises
     ------
     InputError
-        If a folder holds no session file.
+        If a folder contains no session file.
     ParameterError
         If `storage` is given with an opened store.
     StoreError
-        If the store cannot be read or written; what was appended until then is in it.
+        If the store cannot be read or written. Batches that were appended before stay.
 
     Examples
     --------
@@ -246,13 +246,13 @@ def open_store(uri: PathLike, *, storage: Mapping[str, str] | None = None) -> St
     uri
         A folder, or ``s3://bucket/folder``.
     storage
-        Of the server, by keys such as ``aws_endpoint_url``; what is not given is taken from the
-        environment (``AWS_ENDPOINT_URL``).
+        Settings of the server, by keys such as ``aws_endpoint_url``. The environment sets the
+        others (``AWS_ENDPOINT_URL``).
 
     Raises
     ------
     InputError
-        If there can be no store at such a place. Whether there is one is asked for later.
+        If the URI is invalid for a store. Whether the store exists is checked later.
     """
     from nvcore.fleet.location import Location
     from nvcore.fleet.store import Store
@@ -267,9 +267,9 @@ class Scan:
     Attributes
     ----------
     summary
-        Measures of all recordings; `measures` is the table.
+        Measures of all recordings, with `measures` as the table.
     status
-        The plan, and how many recordings could not be compared.
+        Plan, and number of recordings that could not be compared.
     notes
         Damaged files of earlier results, whose batches were computed anew, and settings of the
         ingested sessions that the scan does not use.
@@ -306,22 +306,22 @@ def scan(*given: Any, params: Params | None = None, **named: Any) -> Scan:
 def _scan(arguments: ScanArguments) -> Scan:
     """Compare two systems on all recordings of a store, or resume a scan that was stopped.
 
-    Each run of the same scan goes on where the last one ended, also several at a time; a store that
-    has grown, or another setting, is a new scan, which may use the same folder.
+    Each run of the same scan continues where the last one ended. Several may run at a time. A store
+    with new content, or another setting, is a new scan, which may use the same folder.
 
     Parameters
     ----------
     store
-        Folder or URI of a store, as ``nvcore ingest`` makes it, or what `open_store` returns.
+        Folder or URI of a store that ``nvcore ingest`` wrote, or the result of `open_store`.
     params
-        Settings of the comparison; None: the default ones. Each may also be given by its name, as
-        to `nvcore.compare`: ``alpha=0.8``.
+        Settings of the comparison. None: the default ones. Each may also be a keyword argument, as
+        in `nvcore.compare`: ``alpha=0.8``.
     engine
         A function of a job that runs the batches (`nvcore.fleet.scan.Engine`).
     storage
-        Keys and values for the object store, as object_store has them; else by the environment.
+        Keys and values for the object store, as in object_store. The environment sets the others.
     progress
-        Called with the share of the batches that are done.
+        Called with the share of finished batches.
 
     Returns
     -------
@@ -331,10 +331,10 @@ def _scan(arguments: ScanArguments) -> Scan:
     Raises
     ------
     InputError
-        If the store or `out` cannot be used, no recording has both systems, or the results that
-        are there were made by another program.
+        If the store or `out` cannot be used, no recording has both systems, or existing results
+        are from another program.
     StoreError
-        If storage fails or is full; finished batches are kept.
+        If storage fails or is full. Finished batches are kept.
 
     Examples
     --------
@@ -435,7 +435,7 @@ def scan_status(out: PathLike, *, storage: dict[str, str] | None = None) -> Stat
     Raises
     ------
     InputError
-        If there is none, or a file of it is damaged.
+        If there is no scan, or one of its files is damaged.
     """
     from nvcore.fleet.folder import status
     from nvcore.fleet.location import Location
@@ -450,10 +450,10 @@ def top(arguments: TopArguments) -> Top:
     Parameters
     ----------
     results
-        Folder or URI that the scan has written to, or of the store, if one lies below it.
+        Folder or URI of the results, or of a folder that contains a single one with results.
     where
         A condition on the columns of the table, on those of the recordings (``unit``, ``fps``, or
-        ``recording.n_frames`` where the table has such a column, too) and on tags: ``"tag.night"``,
+        ``recording.n_frames`` if the table also has such a column) and on tags: ``"tag.night"``,
         ``"tag.road = 'rural' and n_frames > 10"``. Empty: all rows.
     storage
         As of `nvcore.scan`.
@@ -461,12 +461,12 @@ def top(arguments: TopArguments) -> Top:
     Returns
     -------
     Top
-        With `table`, a DataFrame.
+        Result with the DataFrame `table`.
 
     Raises
     ------
     InputError
-        If there are no results, no such table or column, or the condition cannot be used.
+        If there are no results, no such table or column, or the condition is invalid.
 
     Examples
     --------
@@ -493,10 +493,10 @@ def export_recording(arguments: OpenArguments) -> Path:
     Parameters
     ----------
     source
-        Folder or URI of the results of a scan: X, Y, settings and versions are the scan's. Or of a
-        store: its newest versions, with the settings by default.
+        Folder or URI of a scan's results, whose X, Y, settings and versions are used, or of a
+        store, whose newest versions are used with default settings.
     recording
-        Its name.
+        Name of the recording.
     out
         Folder of the session, which `nvcore.load` reads.
     storage

@@ -1,15 +1,15 @@
 """Folder of a scan's state and results, with a checksum for each file.
 
-    plans/<plan>.json              what is compared, by which program, and in which batches
-    leases/<batch>/<attempt>.json  who works on a batch, and until when the others wait
-    done/<batch>.json              which files a batch has given, with their checksums
-    <table>/<batch>-<hash>.parquet its rows of each table of results, listed in a Delta table
-    newest.json                    which plan was begun last
-    summary.json                   which plan the tables are of
-    finished/<plan>.json           the same of each plan that was finished
+    plans/<plan>.json              sources, settings, program and batches of a scan
+    leases/<batch>/<attempt>.json  worker of a batch, and expiry of its lease
+    done/<batch>.json              files that a batch has written, with their checksums
+    <table>/<batch>-<hash>.parquet rows of a batch in a results table, listed in a Delta table
+    newest.json                    plan that was begun last
+    summary.json                   plan of the tables
+    finished/<plan>.json           summary of each finished plan
 
-Plans and tables are named by their content; other files hold its checksum. So what two processes do
-twice is the same, and a damaged file is found: its batch is computed anew.
+Plans and tables are named by their content. Other files contain their checksum. Duplicate work of
+two processes is therefore harmless, and batches with damaged files are computed again.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from nvcore.wording import count_text, one_line
 SUMMARY: Final = "summary.json"
 _NEWEST: Final = "newest.json"
 _COMMIT_ATTEMPTS: Final = 30
-"""At the version of a table of results, by processes that finish at once."""
+"""Attempts to commit a version of a results table, if several processes finish at once."""
 _THREADS: Final = 16
 _AGAIN: Final = "run the scan again, which computes what is missing"
 
@@ -60,14 +60,14 @@ def begin(
     Parameters
     ----------
     recompute
-        Whether to go on where another program has written results.
+        Whether to continue if another program has written results.
     options
-        As of `nvcore.fleet.plan.plan`.
+        Options of `nvcore.fleet.plan.plan`.
 
     Raises
     ------
     InputError
-        If the results that are there were made by another program.
+        If existing results are from another program.
     """
     made = plan(snapshot, params, **options)
     newest = None if recompute else newest_plan(out)
@@ -88,7 +88,7 @@ def plan_shown(out: Location) -> Plan | None:
     Raises
     ------
     InputError
-        If it is missing or damaged.
+        If the plan is missing or damaged.
     """
     for path in (SUMMARY, _NEWEST):
         if out.find(path) is None:
@@ -181,7 +181,7 @@ def _content(out: Location, file: Mapping[str, Any]) -> pa.Buffer:
     Raises
     ------
     InputError
-        If it is missing, or is not what its batch has written.
+        If it is missing, or differs from the file that its batch has written.
     """
     path = file["path"]
     try:
@@ -205,7 +205,7 @@ def repair(out: Location, its_plan: Plan, among: slice = slice(None)) -> list[st
 
     Returns
     -------
-    What is wrong with one file of each, with its path.
+    Path and fault of one file of each marked batch.
     """
     is_done = done_in(out)
 
@@ -248,7 +248,7 @@ def _open_table(out: Location, name: str, done: Sequence[Mapping[str, Any]]) -> 
 def finish(out: Location, its_plan: Plan) -> Summary:
     """Summarize the results of all batches of a plan, and list their files in Delta tables.
 
-    Any number of processes may do so. Tables of a plan that was begun later, and is finished, stay.
+    Any number of processes may do so. Tables of a finished plan that was begun later are kept.
 
     Raises
     ------
@@ -310,13 +310,13 @@ class Status:
     n_running
         Number of batches that a worker may be working on.
     n_lost
-        Number of attempts at other batches that are not done that ended without a word.
+        Number of attempts whose workers died, at other unfinished batches.
     n_quarantined
-        Number of recordings that could not be compared, of the batches that are done.
+        Number of recordings in finished batches that could not be compared.
     is_finished
         Whether all batches are done and the tables were written.
     reason
-        Name of one of these recordings, and why.
+        Name of one such recording, and the reason.
     """
 
     plan: Plan
@@ -358,12 +358,12 @@ def status(out: Location, its_plan: Plan | None = None, clock: Any = time.time) 
     Parameters
     ----------
     clock
-        Returns seconds since 1970.
+        Function that returns seconds since 1970.
 
     Raises
     ------
     InputError
-        If there is none, or a file of it is damaged.
+        If there is no scan, or one of its files is damaged.
     """
     its_plan = its_plan or newest_plan(out)
     if its_plan is None:

@@ -145,7 +145,7 @@ def _boxes_by_recording(dataset: Dataset) -> tuple[dict[str, Any], np.ndarray]:
         codes = np.full(len(boxes), -1)
         codes[: len(texts)] = texts.codes
         columns["attributes"] = _texts(codes, texts.categories)
-    if len(dataset.recordings) > 1:  # a dataset has all of one source first
+    if len(dataset.recordings) > 1:  # a dataset is sorted by source first
         order = np.argsort(stretch, kind="stable")
         stretch = stretch[order]
         columns = {name: of[order] for name, of in columns.items()}
@@ -291,7 +291,7 @@ class Ingested:
     n_known
         Number of sources that the store had already.
     errors
-        Inputs that could not be ingested, by name; nothing of them is stored.
+        Errors of inputs that could not be ingested, by name. Nothing of them is stored.
     findings
         Findings of the readers, by input.
     not_stored
@@ -338,7 +338,7 @@ def ingest_all(
     newest
         Whether versions that the store has become the newest again.
     progress
-        Called with the name of the next input; the share is always 0, their number is unknown.
+        Called with share 0, since the number of inputs is unknown, and the name of the next input.
 
     Raises
     ------
@@ -399,7 +399,7 @@ def _check_seen(
 ) -> None:
     """Refuse a recording if an earlier input has one of that name with other content.
 
-    It may be another drive.
+    The recordings may be different drives.
     """
     own = dict(of for row in tables["sources"].to_pylist() for of in versions_in(row))
     for (recording, source), sha256 in own.items():

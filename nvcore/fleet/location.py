@@ -23,10 +23,10 @@ with needs("fleet", "a store needs"):
 
 MAX_RETRIES: Final = 20
 RETRY_TIMEOUT_S: Final = 60
-"""Retries of a request that the server refuses or cuts; the option `max_retries` overrides it."""
+"""Time for retries of a request that fails. The option `max_retries` overrides it."""
 _MAX_WAIT_S: Final = 5
 LONGEST_REASON: Final = 400
-"""Length of the reason of an error of object_store or deltalake."""
+"""Longest reason of an error of object_store or deltalake, in characters."""
 _NOT_IN_NAMES: Final = re.compile(r"[\[\]\\]|%[0-9a-fA-F]{2}")
 _NOT_IN_URIS: Final = re.compile(rf"[#?]|{_NOT_IN_NAMES.pattern}")
 """Characters that deltalake or obstore misread in the path of a folder, and in a URI."""
@@ -55,7 +55,7 @@ class Location:
     Parameters
     ----------
     uri
-        A path, or ``s3://bucket/folder``; ``gs://`` and ``az://`` are passed on, but not tested.
+        A path, or ``s3://bucket/folder``. ``gs://`` and ``az://`` are passed on, but not tested.
     options
         Options of object_store, such as ``aws_endpoint_url``. The environment sets the others
         (``AWS_ENDPOINT_URL``, ``AWS_ACCESS_KEY_ID``, ...).
@@ -65,7 +65,7 @@ class Location:
     uri
         As given, or the absolute path of a local folder.
     path
-        The local folder; None for an object store.
+        The local folder. None for an object store.
 
     Raises
     ------
@@ -167,7 +167,7 @@ class Location:
     def create(self, path: str, content: bytes) -> bool:
         """Write a file unless it exists, and return whether it now holds this content.
 
-        Of several callers with different contents one alone gets True, also if the answer to its
+        Only one of several callers with different contents gets True, even if the response to its
         first attempt was lost.
         """
         with self.at(path, "written"):

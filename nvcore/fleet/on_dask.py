@@ -15,7 +15,7 @@ with needs("dask", "scans on Dask need"):
     from distributed.comm.core import CommClosedError
 
 TASKS: Final = 20_000
-"""Tasks that the scheduler is given at a time."""
+"""Number of tasks that the scheduler gets at a time."""
 PATIENCE_S: Final = 300.0
 """Longest wait for a scheduler that does not answer."""
 
@@ -23,7 +23,7 @@ PATIENCE_S: Final = 300.0
 def on_dask(job: Job, scheduler: str) -> Iterator[str]:
     """Run missing batches on the workers of a Dask scheduler, and yield keys of finished ones.
 
-    If the scheduler goes away, the others are left; the next round waits for it.
+    If the scheduler disappears, the others are left for the next round, which waits for it.
 
     Parameters
     ----------

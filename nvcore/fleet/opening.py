@@ -1,4 +1,4 @@
-"""A recording of a store as a session by itself, which the dashboard and all commands open."""
+"""Export a recording of a store as a session for the dashboard and all commands."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ DETECTABILITY: Final = "detectability.csv"
 IGNORED: Final = "ignore"
 """Class of boxes of a truth with classes that it ignores."""
 FILES: Final = (SESSION, TRUTH, *SYSTEMS, FRAMES, SPEED, DETECTABILITY)
-"""What `write_recording` may write."""
+"""Files that `write_recording` may write."""
 
 
 def recording_of(
@@ -52,14 +52,14 @@ def recording_of(
 ) -> tuple[Dataset, dict[str, Any]]:
     """Return a recording of a store or of a scan, and its `pictures` and `first_picture`.
 
-    `location` is a store, or the results of a scan, whose settings and versions are taken then.
+    `location` is a store, or the results of a scan, whose settings and versions are then used.
     `x`, `y` and `truth` are sources as of `Snapshot.pick`. None: the scan's, or the only two
     systems there are.
 
     Raises
     ------
     InputError
-        If there is no such recording or source, or it is not clear which systems are meant.
+        If there is no such recording or source, or the choice of systems is ambiguous.
     """
     plan = plan_shown(location)
     if plan is None:
@@ -100,11 +100,11 @@ def write_recording(
     Parameters
     ----------
     folder
-        Where to write `FILES`.
+        Folder for `FILES`.
     pictures
         Path of the recording's pictures, if there are any on this machine.
     first_picture
-        Number of the frame that the first picture shows; None: by their names.
+        Frame number of the first picture. None: by the names of pictures.
     force
         Whether existing files are replaced.
 
@@ -126,14 +126,14 @@ def write_recording(
     facts |= {name: None if pd.isna(recording[name]) else recording[name] for name in FACTS}
     write_frame_lists({"": dataset.frames["frame"].to_numpy()}, folder / FRAMES, force=True)
     series = dataset.frames.loc[dataset.frames["speed_kmh"].notna(), ["time_s", "speed_kmh"]]
-    if len(series):  # read again, each frame is at a reading
+    if len(series):  # when it is read again, each frame has a reading
         write_whole(folder / SPEED, to_csv_bytes(series, digits=None))
         facts["speed"] = SPEED
     more: dict[str, Any] = {}
     truth, *detections = (_reading(dataset, number) for number in range(len(SYSTEMS) + 1))
     own = dataset.boxes[: len(truth.boxes)].assign(frame=truth.boxes["frame"].to_numpy())
     is_known = own["is_outside"] | own["is_adapted"] | own["detectability_sd"].notna()
-    if is_known.any():  # a column of the truth has the value alone
+    if is_known.any():  # the column of the truth has only the value
         table = own[own["detectability"].notna()].assign(
             recording=recording["name"],
             track=lambda of: of["track"].astype("Int64").mask(of["track"] == NO_TRACK),
@@ -149,7 +149,7 @@ def write_recording(
     for name, reading in zip((TRUTH, *SYSTEMS), (truth, *detections), strict=True):
         role: Role = "truth" if name == TRUTH else "detections"
         write(reading, "parquet", folder / name, role=role, objects=dataset.objects, force=True)
-        # all that a store holds counts, whatever its class is called
+        # all boxes of a store count, whatever the names of their classes
         of_box = class_names(reading, dataset.objects)
         classes = None if of_box is None else tuple(sorted({*of_box} - {IGNORED}))
         sources.append(Source(name, "parquet", classes, frame_names="numbers"))
@@ -171,7 +171,7 @@ def write_recording(
 
 
 def _reading(dataset: Dataset, source: int) -> Reading:
-    """Boxes of the truth (0) or of system number `source` - 1, as their file is to hold them."""
+    """Make the reading to write for the truth (`source` 0) or system number `source` - 1."""
     boxes = dataset.boxes[dataset.boxes["source"] == source]
     name = dataset.recordings["name"][0]
     columns: dict[str, object] = {of: boxes[of].to_numpy() for of in boxes if of in READING_DTYPES}
@@ -179,10 +179,10 @@ def _reading(dataset: Dataset, source: int) -> Reading:
     columns |= {"recording": name, "frame": frame}
     labels: tuple[str, ...] = ()
     if (boxes["label"] != NO_LABEL).any():
-        # who ignores a box need not say of what class it is: another class than none
+        # ignored boxes without a class get the class `IGNORED`
         labels = (*dataset.labels, IGNORED)
         is_ignored = boxes["ignore"] & (boxes["label"] == NO_LABEL)
-        if not dataset.objects.is_numbered:  # else it is a class without a number
+        if not dataset.objects.is_numbered:  # otherwise it is a class without a number
             columns["label"] = boxes["label"].mask(is_ignored, len(dataset.labels)).to_numpy()
     return Reading(
         conform(columns, READING_DTYPES, n_rows=len(boxes)),

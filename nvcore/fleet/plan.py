@@ -1,4 +1,4 @@
-"""Plans of scans: which recordings are compared, by which program, and in which batches."""
+"""Plans of scans: recordings to compare, their batches, and the program."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _OF_BATCHES: Final = (
 
 @cache
 def programs() -> dict[str, str]:
-    """Return what results depend on: a hash of nvcore's code, and versions of libraries."""
+    """Return a hash of nvcore's code and versions of libraries, which results depend on."""
     libraries = ("numba", "numpy", "pandas", "pyarrow", "scipy")
     code = hashlib.sha256()
     for name, tree in sorted(modules_of_batches().items()):
@@ -108,7 +108,7 @@ class Batch:
     Attributes
     ----------
     key
-        Hash of all that its results depend on.
+        Hash of everything that the results depend on.
     recordings
         Their names, sorted.
     n_frames
@@ -122,7 +122,7 @@ class Batch:
 
 @dataclass(frozen=True)
 class Plan:
-    """A scan to be done: what of the store is compared, how, and in which batches.
+    """Plan of a scan: content of the store to compare, settings, and batches.
 
     Attributes
     ----------
@@ -131,13 +131,13 @@ class Plan:
     versions
         Versions of the store's tables.
     params
-        What is compared.
+        Sources and settings of the comparison.
     programs
         See `programs`.
     batches
-        In the order in which their recordings were taken into the store.
+        Batches in the order in which their recordings were ingested.
     left_out
-        Number of recordings that a system lacks, by the system.
+        Number of recordings that a system lacks, by system.
     """
 
     store: str
@@ -192,9 +192,9 @@ def plan(
 ) -> Plan:
     """Divide the recordings of a store into batches, in the same way every time.
 
-    A batch ends where the hash of a recording's name says so, if it is half full, and where it
-    would be too large. So few recordings move into another batch when others are added or changed,
-    and a batch with the same recordings as before need not be done again.
+    A batch ends if it would be too large, or if it is half full and the hash of a recording's name
+    marks an end. Adding or changing recordings therefore moves few others to another batch, and
+    batches with unchanged recordings need not be compared again.
 
     Raises
     ------
@@ -227,7 +227,7 @@ def plan(
     hashes = [int(hash_of(name)[:8], 16) / 2**32 for name in names.iloc[chosen]]
     may_end = np.array(hashes) < size / (frames_per_batch / 4)
     starts, total = [0], 0.0
-    for i, n in enumerate(size):  # each end depends on the one before: a loop over recordings
+    for i, n in enumerate(size):  # a loop over recordings, since each end depends on the one before
         if total and total + n > frames_per_batch:
             starts.append(i)
             total = 0.0

@@ -1,7 +1,7 @@
 """Find the worst rows of a scan's results that match a filter.
 
 DuckDB reads Arrow data sets of the Parquet files, opens no file by itself and loads no extension. A
-filter is parsed, checked against a whitelist of nodes and rewritten; DuckDB runs the SQL that is
+filter is parsed, checked against a whitelist of nodes and rewritten. DuckDB runs the SQL that is
 generated from this tree, never the text of the user.
 """
 
@@ -33,12 +33,12 @@ MOMENTS: Final[Mapping[str, tuple[str, str, str, str]]] = {
     "recordings": ("severity", "", "", ""),
     "frames": ("similarity", "frame", "frame", "time_s"),
 }
-"""By table of results: what is worst in it, by default; the frame to look at (empty: none); a frame
-whose time is known, and the column of that."""
+"""By table of results: default column to sort by, column of the frame to look at (empty: none),
+column of a frame of known time, and column of this time."""
 
 LONGEST_FILTER: Final = 10_000
 MOST_NAMED: Final = 12
-"""Columns that an error names."""
+"""Largest number of columns that an error lists."""
 TAG: Final = "tag"
 
 _CONFINED: Final[dict[str, Any]] = {
@@ -67,10 +67,10 @@ _ARGUMENTS: Final[Mapping[type, Collection[str]]] = {
     exp.Column: ("this", "table"),
     exp.Identifier: ("this", "quoted"),
 }
-"""Nodes that a filter may have, and the arguments of each: DuckDB runs whatever passes."""
+"""Whitelist of nodes in a filter, and of their arguments. DuckDB runs whatever passes."""
 
 _TAG_AS: Final = {TEXT: "tag_text", NUMBER: "tag_number", CLAIM: "has_tag"}
-"""Macro that looks a tag up, by the kind of what it is compared with."""
+"""Macro that looks up a tag, by the kind of value that it is compared with."""
 _MACROS: Final = rf"""
 CREATE MACRO tag_text(tags, key) AS
     substr(list_filter(tags, lambda tag: starts_with(tag, key || '='))[1], length(key) + 2);
@@ -85,9 +85,9 @@ CREATE MACRO is_same(value, other) AS value = other AND value IS NOT NULL;
 class Top:
     """The worst rows of a table of results.
 
-    `table` has the recording, the frame to look at and its time_s (but for recordings), and the
-    other columns; it is sorted by the columns `by`, of both systems by the worse. `results` is the
-    URI of the results.
+    `table` has the recording, the frame to look at and its time_s (except for recordings), and the
+    other columns. It is sorted by the columns `by`, by the worse of both systems if there are two.
+    `results` is the URI of the results.
     """
 
     table: pd.DataFrame
@@ -181,7 +181,7 @@ def results_in(location: Location) -> Location:
     Raises
     ------
     InputError
-        If there are none, or several.
+        If there are no results, or several.
     """
     if has_tables(location):
         return location
@@ -229,12 +229,12 @@ def _columns_by(name: str, numbers: Collection[str]) -> tuple[str, ...]:
 def _condition(text: str, known: _Known) -> exp.Expr:
     """Check and translate a condition such as ``tag.road = 'rural' and n_frames > 10``.
 
-    `known` are columns, by what stands before the dot (nothing or ``recording``) and by name.
+    `known` are columns by prefix before the dot (empty or ``recording``) and by name.
     """
     if len(text) > LONGEST_FILTER:
         raise _fault(f"expected at most {LONGEST_FILTER:,} characters, found {len(text):,}")
     try:
-        # of a statement only what is a condition is parsed
+        # parse only a condition, not a statement
         tree = sqlglot.parse_one(text, into=exp.Condition, dialect="duckdb")
         for node in tree.walk(bfs=False):
             has = {name for name, value in node.args.items() if value not in (None, [], False)}
@@ -247,7 +247,7 @@ def _condition(text: str, known: _Known) -> exp.Expr:
     except sqlglot.errors.SqlglotError as error:
         found = getattr(error, "errors", None) or [{"col": 0, "description": str(error)}]
         what = str(found[0]["description"]).partition(".")[0].lower()
-        if what.startswith("required keyword"):  # it names a class of the parser
+        if what.startswith("required keyword"):  # the message names a class of the parser
             what = "a column or value is missing"
         raise _fault(f"cannot be read at character {found[0]['col']}: {what}") from error
     except RecursionError as error:
@@ -291,7 +291,7 @@ def _term(node: exp.Expr, known: _Known) -> _Term:
         value = sign * float(digits.name)
         if value.is_integer() and abs(value) < 2**53:
             return NUMBER, exp.Literal.number(int(value))
-        # 0.1 by itself would be a decimal
+        # DuckDB would read 0.1 as a decimal
         return NUMBER, exp.cast(exp.Literal.string(repr(value)), "double")
     is_named = all(isinstance(part, exp.Identifier) for part in node.args.values() if part)
     shown, name = _shown(node), node.name

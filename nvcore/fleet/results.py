@@ -43,7 +43,7 @@ from nvcore.tables.result import (
 )
 
 TABLES: Final = ("recordings", "encounters", "events", "intervals", "episodes", "quarantine")
-"""Results of every scan; ``frames`` comes with them if it is asked for."""
+"""Tables of every scan. ``frames`` is added on request."""
 
 _TYPES: Final = {
     CellKind.TEXT: pa.string(),
@@ -81,7 +81,7 @@ _RATIOS: Final = {
     "saliency_largest_event": ("largest_event_s", "", 1.0),
     **{key: (f"sum_{key}", of.per, of.factor) for key, of in _SUMMED.items()},
 }
-"""Numerator, denominator (empty: 1) and factor of measures; others are a column of their name."""
+"""Numerator, denominator (empty: 1) and factor of measures. Others have a column of their own."""
 _EXTREMES: Final[dict[str, Callable[[list[Any]], float]]] = {
     "min_similarity": min,
     "worst_window_similarity": min,
@@ -307,9 +307,9 @@ class Summary:
     Attributes
     ----------
     recordings, quarantined
-        Number of recordings that were compared, and of those that could not be.
+        Number of recordings that were compared, and of others in the quarantine.
     totals
-        Values of `reductions`, by column; columns without values are absent.
+        Values of `reductions`, by column. Columns without values are absent.
     """
 
     params: ScanParams
@@ -338,8 +338,8 @@ class Summary:
 
         Returns
         -------
-        key, label, x, y (NaN: undefined), and n: the encounters or recordings that a mean is of,
-        else the frames.
+        key, label, x, y (NaN: undefined), and n: number of encounters or recordings in a mean,
+        otherwise of frames.
         """
         columns = {"n_near": "n_encounters", "n_boxes": "n_truth", **{of: of for of in counted()}}
         counts = {name: int(self.totals.get(of, 0)) for name, of in columns.items()}

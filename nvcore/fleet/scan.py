@@ -84,7 +84,7 @@ class Job:
         InputError
             If the programs differ from those of the plan.
         StoreError
-            If storage cannot be read or written, such as a full disk; finished batches stay.
+            If storage fails, such as a full disk. Finished batches stay.
         """
         out, *_ = _open(self)
         lease_of = partial(Lease, out, clock=self.options.clock)
@@ -196,7 +196,7 @@ def in_process(job: Job, part: int = 0, n_parts: int = 1) -> Iterator[str]:
     """
     yield from (key for key in job.missing(slice(part, None, n_parts)) if job.run(key) == "done")
     left = job.missing()
-    start = len(left) * part // n_parts  # each part begins elsewhere
+    start = len(left) * part // n_parts  # each part begins at another batch
     yield from (key for key in left[start:] + left[:start] if job.run(key) == "done")
 
 

@@ -45,7 +45,7 @@ with needs("fleet", "a store needs"):
 GROUP_ROWS: Final = 1 << 18
 """Rows of a Parquet row group."""
 VERSIONS: Final = "versions.json"
-"""File of a store with the version of each table after the last append; it may be behind."""
+"""File of a store with the version of each table after the last append. It may lag behind."""
 ROWS_IN: Final = {"recordings": "frames", "sources": "boxes"}
 """Tables with a row per version, and the table that holds the frames or boxes of each."""
 _CONTENT: Final = {
@@ -175,7 +175,7 @@ class Store:
             if name == "sources":
                 older = _note_newest(stored, rows.values(), newest=newest)
             labels = {(content(row), of) for row in stored for of in ("", row.get("label", ""))}
-            # later than what is stored, whatever the clocks of other writers say
+            # later than stored rows, regardless of the clocks of other writers
             now = max([datetime.now(UTC), *(row["ingested_at"] for row in stored[-1:])])
             added: dict[tuple[str, ...], dict[str, Any]] = {}
             n_added = Counter[tuple[str, ...]]()
@@ -275,7 +275,7 @@ class Snapshot:
     Parameters
     ----------
     location
-        Of the store.
+        Location of the store.
     versions
         Delta versions of its tables.
 
@@ -340,7 +340,7 @@ class Snapshot:
     def sources(self) -> pd.DataFrame:
         """Every version of every source."""
         contents = self._stated.groupby(_CONTENT["sources"])
-        rows = contents.last()  # of what is stated: a row that states nothing changes nothing
+        rows = contents.last()  # of stated facts: a row without any changes nothing
         rows = rows.assign(
             ingested_at=contents["ingested_at"].first(), label=rows["label"].fillna("")
         )
@@ -373,7 +373,7 @@ class Snapshot:
             known = did_you_mean(source, names, f"there are {listed(names, most=MOST_NAMED)}")
             raise InputError(f"there is no source {source!r}; {known}", file=self.location.uri)
         rows = self._stated[self._stated["source"] == name]
-        # what came with another version of its recording is of other frames or another picture
+        # sources of another version of the recording have other frames or another picture size
         newest = self.recordings["sha256"].reindex(rows["recording"]).to_numpy()
         came = rows[~rows["amends"] & (rows["recording_sha256"] == newest)][_CONTENT["sources"]]
         if at:

@@ -9,14 +9,14 @@ import pyarrow as pa
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 
 FACTS: Final = ("width", "height", "fps", "horizon", "context", "speed_kmh")
-"""Columns of `RECORDINGS` that are numbers which a session states."""
+"""Columns of `RECORDINGS` with numbers that a session states."""
 
 _INDEX: Final = (
     ("file", pa.string()),  # path within the table's folder
     ("first_row", pa.int64()),  # its first row within the file
     ("n_rows", pa.int64()),
 )
-"""Where the rows of a recording (or of one of its sources) lie: one stretch of one file."""
+"""Location of the rows of a recording (or of one of its sources): a range in one file."""
 
 RECORDINGS: Final = pa.schema(
     [
@@ -29,22 +29,22 @@ RECORDINGS: Final = pa.schema(
         ("recorded_at", pa.timestamp("us", "UTC")),  # null: unknown
         ("pictures", pa.string()),  # source URI of its pictures; empty: none
         ("first_picture", pa.int64()),  # frame that the first one shows; null: not stated
-        ("objects", pa.list_(pa.string())),  # what the boxes are of: singular, plural
+        ("objects", pa.list_(pa.string())),  # kind of objects in the boxes: singular, plural
         ("duration_s", pa.float64()),
         ("parameters", pa.string()),  # JSON of the session's settings; empty: by default
         ("source", pa.string()),  # URI of the session that it came with
         *_INDEX,  # its rows of `frames`
     ]
 )
-"""Rows of versions of recordings; a later row of a version replaces an earlier one."""
+"""Versions of recordings. A later row of a version replaces an earlier one."""
 
 SOURCES: Final = pa.schema(
     [
         ("recording", pa.string()),
         ("source", pa.string()),  # "truth", or the name of a system
-        ("sha256", pa.string()),  # over its boxes: what tells versions apart
+        ("sha256", pa.string()),  # over its boxes, identifies the version
         ("recording_sha256", pa.string()),  # version of the recording that it came with
-        ("label", pa.string()),  # what the user calls this version; empty: its number
+        ("label", pa.string()),  # the user's name of this version; empty: its number
         ("kind", pa.string()),  # of a truth: annotated, automatic, absent; else system
         ("ingested_at", pa.timestamp("us", "UTC")),
         ("threshold", pa.float64()),  # of a system, by its session; null: none
@@ -54,9 +54,9 @@ SOURCES: Final = pa.schema(
         *_INDEX,  # its rows of `boxes`
     ]
 )
-"""Rows of versions of the truth or a system; a later row of a version replaces an earlier one.
+"""Versions of the truth or a system. A later row of a version replaces an earlier one.
 
-They are written last: a version of a recording counts once there is a source that came with it.
+They are written last. A version of a recording counts once there is a source that came with it.
 """
 
 ADDED_LATER: Final = {"parameters": "", "amends": False}
@@ -81,15 +81,15 @@ BOXES: Final = pa.schema(
         ("ignore", pa.bool_()),
         ("distance_m", pa.float64()),
         ("occlusion", pa.int8()),
-        ("label", pa.string()),  # class in the words of the objects; null: not said
-        ("attributes", pa.string()),  # what the truth says of the pedestrian; null: nothing
+        ("label", pa.string()),  # class in the objects' terms; null: unknown
+        ("attributes", pa.string()),  # attributes of the pedestrian in the truth; null: none
         ("detectability", pa.float64()),
         ("detectability_sd", pa.float64()),
         ("is_outside", pa.bool_()),
         ("is_adapted", pa.bool_()),
     ]
 )
-"""Boxes of truth and systems, by recording, source and frame; the order within a frame is kept."""
+"""Boxes of truth and systems, by recording, source and frame, in order within a frame."""
 
 MISSING: Final = {
     "track": NO_TRACK,
@@ -98,14 +98,14 @@ MISSING: Final = {
     "is_outside": False,
     "is_adapted": False,
 }
-"""What stands in a dataset for a missing cell of a column of `BOXES` that has no NaN."""
+"""Value in a dataset for a missing cell of a column of `BOXES` that cannot be NaN."""
 
 TRUTH_KINDS: Final = ("annotated", "automatic", "absent")
-"""Whether people annotated the truth, a program did, or there is none; the first by default."""
+"""Kinds of truth: annotated by people (default), by a program, or no truth."""
 
 SCHEMAS: Final = {"frames": FRAMES, "boxes": BOXES, "recordings": RECORDINGS, "sources": SOURCES}
-"""Tables of a store, each a Delta table in a folder of this name, in the order of writing: what
-refers to others later than these."""
+"""Tables of a store, each a Delta table in a folder of this name. They are written in this order,
+so that rows refer only to existing ones."""
 
 _TEXT: Final = pa.dictionary(pa.int32(), pa.string())
 IN_MEMORY: Final = {
@@ -114,4 +114,4 @@ IN_MEMORY: Final = {
     )
     for name in ("frames", "boxes")
 }
-"""Frames and boxes in memory: each text is held once."""
+"""Types of frames and boxes in memory, where each text is stored once."""
