@@ -1,1 +1,1 @@
-"""What one browser session has open: workspace, uploads, routes, address."""
+"""State of one browser session: workspace, uploads, routes, page address."""

@@ -14,11 +14,11 @@ from nvcore.settings import OperatingPoint, operating_point
 from nvcore.stages import THRESHOLD, Setting
 
 PLACE: Final = ("x", "y", "tags", "point", "recording", "frame")
-"""What an address says besides the parameters: systems, tags and operating point, if not as the app
-starts, and the frame."""
+"""Entries of an address besides the parameters: the frame, and systems, tags and operating point if
+they were changed."""
 MAX_DIGITS: Final = 18
 NO_VALUE = "none"
-"""In place of the value of a parameter that may have none, and has a switch for it."""
+"""Stands for None as the value of a parameter that can be switched off."""
 
 
 def read_place(
@@ -27,9 +27,9 @@ def read_place(
     names: Sequence[str],
     frame_numbers: Callable[[int], np.ndarray],
 ) -> tuple[tuple[int, int], list[str]]:
-    """Index of the recording and row within it; and, in words, what could not be followed.
+    """Return the index of the recording and the row within it, and the problems in words.
 
-    Listed frame numbers of a recording, increasing, come from `frame_numbers` by its index.
+    `frame_numbers` returns the increasing frame numbers of a recording, given its index.
     """
     wrong = []
     recording = names.index(name) if name in names else 0
@@ -46,7 +46,7 @@ def read_place(
 
 
 def read_point(text: str | None) -> tuple[OperatingPoint | None, list[str]]:
-    """The operating point that is shown; and, in words, what could not be followed."""
+    """Return the operating point (None: as open), and the problems in words."""
     try:
         return operating_point(text), []
     except ParameterError:
@@ -54,7 +54,7 @@ def read_point(text: str | None) -> tuple[OperatingPoint | None, list[str]]:
 
 
 def finite_number(text: str) -> float | None:
-    """The number that a text is; None where it is none, or not finite."""
+    """Return the finite number that the text spells, or None."""
     try:
         value = float(text)
     except ValueError:
@@ -71,7 +71,7 @@ def is_whole_number(text: str) -> bool:
 def read_systems(
     x: str | None, y: str | None, names: Sequence[str]
 ) -> tuple[tuple[str, str] | None, list[str]]:
-    """Names of X and Y (None: as open); and, in words, what could not be followed."""
+    """Return the names of X and Y (None: as open), and the problems in words."""
     if x is None and y is None:
         return None, []
     if x is None or y is None or x == y or not {x, y} <= {*names}:
@@ -80,16 +80,16 @@ def read_systems(
 
 
 def tags_text(tags: Sequence[str]) -> str:
-    """Tags, written as a query parameter."""
+    """Return the tags as a query parameter."""
     return ";".join(tags)
 
 
 def read_tags(
     text: str | None, tags_of: Iterable[tuple[str, ...]]
 ) -> tuple[tuple[str, ...] | None, list[str]]:
-    """Tags that recordings must have (None: as open); and what could not be followed.
+    """Return the tags that recordings must have (None: as open), and the problems in words.
 
-    `tags_of` are those of each recording.
+    `tags_of` holds the tags of each recording.
     """
     if text is None:
         return None, []
@@ -100,7 +100,7 @@ def read_tags(
 
 
 def read_parameters(query: Mapping[str, str]) -> tuple[dict[str, float | str | None], list[str]]:
-    """Parameters in the address; and, in words, those whose value is impossible."""
+    """Return the parameters in the address, and a message for each invalid value."""
     values: dict[str, float | str | None] = {}
     wrong = []
     for name, setting in SETTINGS.items():
@@ -122,20 +122,20 @@ def _value(text: str, setting: Setting) -> float | str | None:
         return None
     if setting.words is not None:
         return text
-    if (value := finite_number(text)) is None:  # possible in a session, but no slider can show it
+    if (value := finite_number(text)) is None:  # valid in a session file, but no slider can show it
         raise ValueError
     return value
 
 
 def _can_clear(setting: Setting) -> bool:
-    """Whether an address can say that it has no value, though what is open gives it one."""
+    """Whether an address can clear a value that the open session sets."""
     return bool(setting.unset) or setting.stage is THRESHOLD
 
 
 def changed_parameters(live: Params, *starts: Params) -> dict[str, str]:
-    """Live parameters that differ from the initial ones, written as query parameters.
+    """Return the live parameters that differ from any of the starts, as query parameters.
 
-    With several starts, those that differ from any: the address holds whichever it begins with.
+    The link then restores them, whichever of these starts it is opened with.
     """
     texts: dict[str, str] = {}
     for start in starts:

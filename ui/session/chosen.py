@@ -1,4 +1,4 @@
-"""The selected encounter and recordings, shared by all pages; kept by name, since rows change."""
+"""Selected encounter and recordings of all pages, stored by name because rows can change."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ CHOOSING_PAGES: Final = ("encounters", "saliency")
 
 
 def choose_encounter(result: Result, encounter: int) -> None:
-    """Select a row of ``result.encounters`` on all pages; a row out of range is ignored."""
+    """Select a row of ``result.encounters`` on all pages. Ignore a row out of range."""
     if 0 <= encounter < len(result.encounters):
         choose_named(name_of(result, encounter))
 
 
 def choose_named(name: str | None) -> None:
-    """Select the encounter of that name on all pages; None clears the selection."""
+    """Select an encounter by name on all pages. None clears the selection."""
     if name is None:
         store.ENCOUNTER.pop()
     else:
@@ -28,19 +28,19 @@ def choose_named(name: str | None) -> None:
 
 
 def chosen_encounter(result: Result) -> int | None:
-    """Row of the selected encounter; None if nothing in the comparison is selected."""
+    """Return the row of the selected encounter, or None if the comparison has no such encounter."""
     name = _chosen_name()
     return encounter_of(result, name) if name else None
 
 
 def name_of(result: Result, encounter: int) -> str:
-    """Name of an encounter, as in an address: its recording and its track."""
+    """Return an encounter's name in addresses: its recording and its track."""
     recording = result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]]
     return f"{recording}:{result.encounters.track[encounter]}"
 
 
 def encounter_of(result: Result, name: str) -> int | None:
-    """Row of the encounter of that name; None if there is none."""
+    """Return the row of the encounter of that name, or None."""
     recording, _, track = name.rpartition(":")
     names = result.dataset.recordings["name"].tolist()
     if recording not in names or not is_whole_number(track):
@@ -51,12 +51,12 @@ def encounter_of(result: Result, name: str) -> int | None:
 
 
 def recordings_key(page: str) -> str:
-    """Key of the widget with which a page selects recordings by name."""
+    """Return the key of the widget with which a page selects recordings by name."""
     return f"{page}_recording_{state.workspace().n_opened}"
 
 
 def rename_chosen(titles: Mapping[str, str]) -> None:
-    """Update the selection after recordings were renamed; `titles` maps old names to new ones."""
+    """Update the selection after a renaming. `titles` maps old recording names to new ones."""
     recording, colon, track = _chosen_name().rpartition(":")
     if recording in titles:
         choose_named(f"{titles[recording]}{colon}{track}")

@@ -1,15 +1,15 @@
-"""How long sessions last, and the folders of their uploads.
+"""Ends sessions whose browser has gone, and manages the folders of their uploads.
 
 A session ends, and its workspace is closed, some time after its browser has disconnected. Streamlit
-lets a session whose browser stays away end by itself, but only when the next visitor comes: until
-then its uploads would stay, on disk and in memory.
+itself ends such a session only when the next visitor comes. Until then the uploads would stay on
+disk and in memory.
 
     BASE/PROCESS.lock       held as long as the process lives
     BASE/PROCESS/SESSION/   one folder for each browser session
 
-BASE is a folder of its own, ``nvcore-uploads-USER``, in the system's temporary folder or in
-`UPLOAD_FOLDER`. What a killed process left behind is removed by the next one that starts: only
-folders that have the names given here, and a lock that nobody holds.
+BASE is the folder ``nvcore-uploads-USER`` in the system's temporary folder or in `UPLOAD_FOLDER`.
+A starting process removes the leftovers of killed ones: only folders with names as above whose lock
+nobody holds.
 """
 
 from __future__ import annotations
@@ -41,31 +41,31 @@ if TYPE_CHECKING:
     from ui.session.workspace import Workspace
 
 GRACE_S: Final = 150.0
-"""How long a browser may stay away.
+"""Longest absence of a browser before its session ends.
 
-With `INTERVAL_S` less than ``server.disconnectedSessionTTL``: a session that Streamlit has given
-up can no longer be ended.
+`GRACE_S` and `INTERVAL_S` together must stay below ``server.disconnectedSessionTTL``, because a
+session that Streamlit has given up can no longer be ended.
 """
 INTERVAL_S: Final = 20.0
 _LOG = logging.getLogger("nvcore.ui")
 _lock = threading.Lock()
 _threads: list[threading.Thread] = []
 _loops: list[asyncio.AbstractEventLoop] = []
-"""The loop on which Streamlit's sessions may be ended, if it is known."""
+"""Event loop on which Streamlit's sessions can be ended. Empty until it is known."""
 UPLOAD_FOLDER: Final = "NVCORE_UPLOAD_DIR"
-"""Where uploads are kept while their session lasts; default: the system's temporary folder.
+"""Environment variable with the parent folder of uploads. Default: the system's temporary folder.
 
-It may hold other things: they are left alone.
+Other content of that folder is left alone.
 """
 _NAME: Final = re.compile(r"[0-9a-f]{16}")
-"""Names of the folders made here."""
+"""Names of the folders that this module makes."""
 _held: list[FileLock] = []
-"""Locks of this process; the system releases them when it ends, however it ends."""
+"""Locks of this process. The system releases them however the process ends."""
 
 
 @dataclass
 class _Watched:
-    """Workspace of a session, and when the session's browser was last connected."""
+    """Workspace of a session, and the time when the session's browser was last connected."""
 
     space: weakref.ref[Workspace]
     is_alive: Callable[[], bool]
@@ -114,10 +114,10 @@ def is_in_use(space: Workspace) -> bool:
 
 
 def sweep(now_s: float) -> None:
-    """Close workspaces whose browser has been gone too long; `now_s` is from ``time.monotonic``.
+    """Close workspaces whose browser has been gone too long.
 
-    Of more than the server takes visitors, those that have been away longest end at once: who opens
-    and closes tabs all the time should not fill the memory.
+    `now_s` is from ``time.monotonic``. If more sessions are away than the server accepts visitors,
+    the longest absent ones end at once, so that opening and closing tabs cannot fill the memory.
     """
     with _lock:
         watched = list(_watched)
@@ -133,12 +133,12 @@ def sweep(now_s: float) -> None:
         space = entry.space()
         if space is None or number < n_too_many or now_s - entry.seen_s > GRACE_S:
             with _lock:
-                _watched.remove(entry)  # first: what cannot be closed is not tried again
+                _watched.remove(entry)  # first, so that a failing close is not retried
                 is_last = not any(other.space() is space for other in _watched)
             if is_last and space is not None:  # another session may have taken it over
                 try:
                     space.close()
-                except Exception as error:  # noqa: BLE001  # the others are closed all the same
+                except Exception as error:  # noqa: BLE001  # the others must still be closed
                     _LOG.warning("what a session left could not be removed: %s", error)
             if _loops and entry.session_id is not None and not entry.is_alive():
                 close_session(entry.session_id, _loops[0])
@@ -151,14 +151,14 @@ def _run() -> None:
 
 
 def new_folder() -> Path:
-    """An empty folder for one session, mode 0700."""
+    """Create an empty folder for one session, mode 0700."""
     folder = process_folder(base_folder()) / secrets.token_hex(8)
     folder.mkdir(mode=0o700)
     return folder
 
 
 def base_folder() -> Path:
-    """The folder that all server processes of this user share, and nothing else uses."""
+    """Return the upload folder that all server processes of this user share."""
     variable = os.environ.get(UPLOAD_FOLDER)
     if variable:
         parent = Path(variable)
@@ -166,7 +166,7 @@ def base_folder() -> Path:
         parent = parent.resolve()
     else:
         parent = Path(tempfile.gettempdir())
-    if os.name == "nt":  # there the temporary folder is the user's own
+    if os.name == "nt":  # on Windows the temporary folder belongs to the user
         folder = parent / "nvcore-uploads"
         folder.mkdir(exist_ok=True)
         return folder
@@ -179,7 +179,7 @@ def base_folder() -> Path:
 
 @cache
 def process_folder(base: Path) -> Path:
-    """Folder of the running process below `base`; folders of dead processes are removed."""
+    """Create this process's folder below `base`, and remove the folders of dead processes."""
     remove_leftovers(base)
     name = secrets.token_hex(8)
     # the lock comes first, so that a folder without a held lock is always a leftover
@@ -201,8 +201,8 @@ def remove_own() -> None:
 def remove_leftovers(base: Path) -> None:
     """Remove folders whose process has ended.
 
-    Whatever was not made by `process_folder` stays: a new lock could be acquired for any
-    folder, so a folder counts only with an existing lock.
+    Folders that `process_folder` did not make stay. A lock could be acquired for any folder, so
+    only folders with an existing lock file count.
     """
     for folder in base.iterdir():
         lock = folder.with_suffix(".lock")

@@ -1,8 +1,8 @@
-"""Turns what a person chose on the Data page into a `Session`.
+"""Turns the choices on the Data page into a `Session`.
 
-Paths in a session name files of the machine. What strangers send never decides which: the paths
-of an uploaded session file are looked up by name among the files that came with it, and those of
-a session under the local root are checked to stay there.
+Paths in a session name files of the machine, so visitors must not control them. The paths of an
+uploaded session file are looked up by name among the files sent with it. Those of a session under
+the local root are checked to stay there.
 """
 
 from __future__ import annotations
@@ -44,20 +44,20 @@ from ui.settings.limits import limits_of_environment
 _OF_UPLOADS: Final = re.compile(
     r"(?<![\w.-])(?:(?:\.\./)*upload-\d+/)?(?:\d+-\w+/)?" + re.escape(f"{ANNOTATION_FOLDERS}/")
 )
-"""Folders of uploads before the name of a file."""
+"""Upload folders in front of a file's name."""
 SHOWN_FOLDERS: Final = NAME_PARTS - 1
-"""Folders before a file's name that readers show at the most."""
+"""Largest number of folders that readers show in front of a file's name."""
 
 AnySource = TypeVar("AnySource", Source, SystemSource)
 
 
 def checked_frames(text: str) -> str | None:
-    """The frame list that a form gives; empty: none.
+    """Return a form's frame list, or None if it is empty.
 
     Raises
     ------
     SessionError
-        If it is no range: a form must not name files of the machine.
+        If it is not a range. A form must not name files of the machine.
     """
     if not text.strip():
         return None
@@ -67,12 +67,12 @@ def checked_frames(text: str) -> str | None:
 
 
 def recording_names(session: Session) -> list[str]:
-    """Names of the recordings in the ground truth; reads its files.
+    """Read the ground truth and return the names of its recordings.
 
     Raises
     ------
     InputError
-        If it cannot be used.
+        If the ground truth cannot be used.
     """
     truth = read_confined(
         session.truth,
@@ -98,7 +98,7 @@ def load_for(space: Workspace, session: Session) -> Dataset:
     Raises
     ------
     NvcoreError
-        If it cannot be read, or is too much.
+        If it cannot be read, or exceeds a limit.
     """
     dataset = load_confined(session)
     most = limits_of_environment().max_frames_of_all
@@ -114,10 +114,10 @@ def load_for(space: Workspace, session: Session) -> Dataset:
 def uploaded_session(
     content: bytes, folder: Path, files: Sequence[str], pictures: Sequence[Path]
 ) -> Session:
-    """The session that an uploaded session file describes, with the files that came with it.
+    """Return the session of an uploaded session file, using the files sent with it.
 
-    The paths of these are relative to `folder`. A recording whose pictures are not among those
-    that were sent has none; see `with_uploaded_recordings`.
+    The paths in `files` are relative to `folder`. A recording whose pictures were not sent has none
+    (see `with_uploaded_recordings`).
 
     Raises
     ------
@@ -129,7 +129,7 @@ def uploaded_session(
     try:
         session = session_confined(place)
     finally:
-        place.unlink()  # it is read; no upload accounts for its size
+        place.unlink()  # already read, and not counted against the quota
     sent = _Sent(folder, files)
     if (table := session.recordings_file) is not None:
         session = replace(session, recordings_file=RecordingsFile(str(sent.find(table.path)[0])))
@@ -159,14 +159,14 @@ def uploaded_session(
 
 
 def with_uploaded_recordings(session: Session, pictures: Sequence[Path]) -> Session:
-    """The session with its table of recordings read, naming only pictures that were uploaded.
+    """Read the session's table of recordings, and keep only pictures that were uploaded.
 
-    All other files that it names for recordings are left out: nobody has sent them.
+    All other files that it names for recordings were not sent, and are left out.
 
     Parameters
     ----------
     pictures
-        Those that were sent; of several with one name the first is taken.
+        Uploaded pictures. The first one wins if several have the same name.
 
     Raises
     ------
@@ -206,7 +206,7 @@ class _Sent:
         return text if is_frame_range(text) else str(self.find(text)[0])
 
     def find(self, text: str) -> list[PurePosixPath]:
-        """The file or folder with the most trailing path parts in common; all matches of a glob."""
+        """Return the path that shares the longest ending with `text`, or all matches of a glob."""
         target = PurePosixPath(text.replace("\\", "/"))
         shared = {path: _shared_end(path, target) for path in self.paths}
         most = max(shared.values(), default=0)
@@ -228,7 +228,7 @@ class _Sent:
 
 
 def _shared_end(sent: PurePosixPath, path: PurePosixPath) -> int:
-    """Number of trailing path parts in common; uploads have safe names, archive members not."""
+    """Count the common trailing path parts. A part of `sent` may be the safe form of a name."""
     n_parts = 0
     for stored, wanted in zip(reversed(sent.parts), reversed(path.parts), strict=False):
         if stored not in (wanted, safe_name(wanted)):
@@ -244,15 +244,16 @@ def _uploaded_pictures(text: str | None, pictures: Sequence[Path], folder: Path)
 
 
 def relative_path(path: Path, folder: Path) -> str:
-    """The path, relative to the folder of a session."""
+    """Return the path relative to the folder of a session."""
     return Path(os.path.relpath(path, folder)).as_posix()
 
 
 def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, str]:
-    """Pictures of each recording, guessed by name; if there is only one set, that one.
+    """Guess the pictures of each recording by name.
 
-    Each source serves one recording: that whose whole name it has, else that with the longest name
-    within its own.
+    A single source always belongs to a single recording. Otherwise a source belongs to the
+    recording with the longest name that its own name contains. A recording with several sources
+    gets the one of exactly its name, or none.
 
     Examples
     --------
@@ -266,7 +267,7 @@ def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, st
     sources = list(sources)
     if len(names) == len(sources) == 1:
         return {names[0]: sources[0]}
-    # compared as a Mac, too, stores them
+    # composed, because macOS stores names decomposed
     stems = {source: composed(PurePosixPath(source).stem).casefold() for source in sources}
     targets = {name: composed(name.replace("/", "_")).casefold() for name in names}
     matches: dict[str, list[str]] = {}
@@ -285,7 +286,7 @@ def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, st
 
 
 def _is_in(name: str, stem: str) -> bool:
-    """Whether a name is part of a file's name; drive_1 is not part of drive_10."""
+    """Whether a file's name contains a recording's name. drive_10 does not contain drive_1."""
     start = r"(?<!\d)" if name[:1].isdigit() else ""
     end = r"(?!\d)" if name[-1:].isdigit() else ""
     return re.search(start + re.escape(name) + end, stem) is not None
@@ -294,7 +295,7 @@ def _is_in(name: str, stem: str) -> bool:
 def with_recordings(
     session: Session, names: Sequence[str], changes: Mapping[str, Mapping[str, object]]
 ) -> Session:
-    """The session with these fields of `RecordingEntry` replaced, by recording."""
+    """Return the session with fields of `RecordingEntry` replaced, by recording."""
     entries = session.entries(names)
     for name, change in changes.items():
         entries[name] = replace(entries.get(name, RecordingEntry(name)), **change)  # type: ignore[arg-type]
@@ -302,7 +303,7 @@ def with_recordings(
 
 
 def recording_entry(session: Session, names: Sequence[str], name: str) -> RecordingEntry:
-    """The session's entry for a recording."""
+    """Return the session's entry for a recording."""
     return session.entries(names).get(name, RecordingEntry(name))
 
 
@@ -324,9 +325,9 @@ def corrected(session: Session, dataset: Dataset, finding: Finding) -> Session:
 
 
 def public_text(text: object, folders: Iterable[Path]) -> str:
-    """A message without the server's paths; files below these folders keep their names.
+    """Return a message without the server's folders. Files below these keep their names.
 
-    Readers show the last parts of a path, so the last parts of the folders go as well.
+    Readers show only the last parts of a path, so these are removed as well.
 
     Examples
     --------

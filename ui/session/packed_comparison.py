@@ -1,4 +1,4 @@
-"""Binary encodings of a comparison: its boxes for the viewer, its columns for sliders in motion."""
+"""Binary encodings of a comparison: boxes for the viewer, columns for sliders being dragged."""
 
 from __future__ import annotations
 
@@ -47,20 +47,20 @@ LIVE: Final = (
     *("alpha", "midpoint", "spread", "midpoint_m", "spread_m"),
     *("edge_weight", "low", "threshold_x", "threshold_y"),
 )
-"""Settings that the browser can change by itself."""
+"""Settings whose effect the browser can compute by itself."""
 MOST_BYTES: Final = 100_000_000
-"""More is not sent: the server alone computes then."""
+"""Size limit of a packed comparison. Above it, only the server computes."""
 KINDS: Final = {"f": "<f8", "i": "<i4"}
-"""Columns are float64 or int32."""
+"""Column types: float64 or int32."""
 
 
 def pack_boxes(result: Result, row_start: int, row_stop: int) -> bytes:
-    """Boxes of frames ``row_start:row_stop`` (rows of the frames table) with their states.
+    """Encode the boxes of frames ``row_start:row_stop`` (rows of the frames table) with states.
 
-    `widgets/viewer/data/boxes.js` reads them. Little endian: uint32 number of frames, uint32 number
-    of boxes, uint32 offsets (those of the i-th and the next one are the first and the last + 1 of
-    the i-th frame's boxes; one more than there are frames), then a column after the other, each
-    padded with zeros to a multiple of 4 bytes. In a frame the truth comes first, then X, then Y.
+    `widgets/viewer/data/boxes.js` reads them. Little endian: uint32 number of frames F, uint32
+    number of boxes, F + 1 uint32 offsets (frame i has the boxes from offset i up to offset i + 1),
+    then one column after the other, each padded with zeros to a multiple of 4 bytes. Within a
+    frame the truth comes first, then X, then Y.
     """
     gathered = gather_boxes(result, row_start, row_stop)
     sources = (gathered.truth, gathered.x, gathered.y)
@@ -101,7 +101,7 @@ def _truth_bits(truth: TruthBoxes) -> np.ndarray:
 
 
 def version_of(result: Result) -> str:
-    """What `pack_comparison` gives depends on this and on nothing else."""
+    """Return a hash of everything that the result of `pack_comparison` depends on."""
     defaults: dict[str, Any] = {name: getattr(Params(), name) for name in LIVE}
     fixed = replace(result.params.only_for(DISTANCES, ENCOUNTERS, SEVERITY), **defaults)
     text = f"{result.dataset.fingerprint}{fixed!r}\0{result.x.name}\0{result.y.name}"
@@ -109,32 +109,32 @@ def version_of(result: Result) -> str:
 
 
 def n_bytes(result: Result) -> int:
-    """About as many bytes `pack_comparison` gives."""
+    """Estimate the size of the result of `pack_comparison`, bytes."""
     dataset = result.dataset
     n_boxes = sum(len(dataset.system(system.name)) for _, system in result.sides)
     return 36 * (n_boxes + len(dataset.truth)) + 32 * len(dataset.frames)
 
 
 def can_pack(result: Result) -> bool:
-    """Whether it is small enough to be sent."""
+    """Whether the comparison is small enough to be sent."""
     return n_bytes(result) <= MOST_BYTES
 
 
 def has_mixed_scores(result: Result) -> bool:
-    """Whether some detections of X or Y have no score: a threshold may then match others anew."""
+    """Whether only some detections of X or Y have a score: a threshold then changes the matches."""
     scores = (result.dataset.system(system.name).score for _, system in result.sides)
     return any(0 < np.count_nonzero(np.isnan(score)) < len(score) for score in scores)
 
 
 def pack_comparison(result: Result) -> bytes:
-    """Recordings, frames, pedestrians and the detections of X and Y, as columns.
+    """Encode recordings, frames, pedestrians and the detections of X and Y as columns.
 
-    Boxes of the truth that are ignored, and detections that these absorb, are left out. Nothing
-    depends on the settings of `LIVE`: detections are matched without a threshold, in descending
-    score, so a threshold changes nothing for those above it.
+    Ignored truth boxes, and detections that they absorb, are left out. The result does not depend
+    on the settings in `LIVE`: detections are matched without a threshold in descending score, so a
+    threshold does not change the matches above it.
 
     `shell/live/comparison.js` reads it. Little endian: uint32 length of a JSON header, the header,
-    zeros up to a multiple of 8 bytes, then the columns, each again padded to 8 bytes. The header
+    zeros up to a multiple of 8 bytes, then the columns, each padded to 8 bytes as well. The header
     gives each column's name, kind, first byte after the header, and length.
     """
     dataset, params, frames = result.dataset, result.params, result.dataset.frame_columns
@@ -165,7 +165,7 @@ def pack_comparison(result: Result) -> bytes:
 
 
 def _horizon(result: Result) -> np.ndarray:
-    """Row from which the size of boxes is measured, px; 0 where it is their height."""
+    """Return the horizon's row by recording, px. It is 0 if proximity is not measured from it."""
     frames = result.dataset.frame_columns
     if result.params.proximity == "horizon":
         return in_use(result.params, "horizon", frames)
@@ -175,7 +175,7 @@ def _horizon(result: Result) -> np.ndarray:
 def _boxes(
     name: str, boxes: BoxColumns, is_kept: np.ndarray, result: Result
 ) -> dict[str, np.ndarray]:
-    """Columns of boxes: where they are, and what their weight is a function of."""
+    """Return columns of boxes: their offsets by frame, and the inputs of their weight."""
     params, frames = result.params, result.dataset.frame_columns
     own_boxes = boxes.only(is_kept)
     recording = frames.recording[own_boxes.frame_index]

@@ -1,4 +1,4 @@
-"""Cached results for the open inputs: the evidence for the differences of X and Y, the audit."""
+"""Cached results for the open inputs: evidence for the differences of X and Y, and the audit."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ui.session.state import Cached
 
 
 def comparison_key(result: Result, protocol: Protocol | None = None) -> tuple[object, ...]:
-    """Cache key of the evidence, for the open data."""
+    """Return the cache key of the evidence for the open data."""
     names = result.names
     is_as_set = result.as_set is None
     protocol = protocol or state.protocol()
@@ -30,18 +30,18 @@ def comparison_key(result: Result, protocol: Protocol | None = None) -> tuple[ob
 
 
 def measure_evidence(result: Result) -> pd.DataFrame:
-    """The table of evidence of X and Y."""
+    """Return the table of evidence of X and Y."""
     return cached_evidence(state.cached, result, state.protocol())
 
 
 def known_evidence(result: Result) -> pd.DataFrame | None:
-    """The table of evidence if it is cached; else None."""
+    """Return the table of evidence if it is cached, or else None."""
     known: pd.DataFrame | None = state.known("evidence", comparison_key(result))
     return known
 
 
 def cached_evidence(cached: Cached, result: Result, protocol: Protocol) -> pd.DataFrame:
-    """The table of evidence from a cache: `state.cached`, or the one that visitors share."""
+    """Return the table of evidence from a cache: `state.cached`, or the one that visitors share."""
 
     def make() -> pd.DataFrame:
         units = find_units(result)
@@ -53,12 +53,12 @@ def cached_evidence(cached: Cached, result: Result, protocol: Protocol) -> pd.Da
 
 
 def miss_rate_evidence(result: Result) -> Evidence:
-    """Evidence for the log-average miss rate under the current protocol."""
+    """Return the evidence for the log-average miss rate under the current protocol."""
     return cached_miss_rate(state.cached, result, find_units(result), state.protocol()).evidence
 
 
 def cached_miss_rate(cached: Cached, result: Result, units: Units, protocol: Protocol) -> Judged:
-    """Keyed by the settings of matching and the blocks of time, which alone move it."""
+    """Return the judged miss rate, cached by matching settings and blocks of time only."""
     key = (
         result.x.name,
         result.y.name,
@@ -73,7 +73,7 @@ def cached_miss_rate(cached: Cached, result: Result, units: Units, protocol: Pro
 
 
 def input_findings() -> tuple[Finding, ...]:
-    """Findings about the open inputs and their pictures, worst first."""
+    """Return the findings about the open inputs and their pictures, worst first."""
     dataset, space = state.opened().dataset, state.workspace()
     with st.spinner("Auditing the inputs"):
         findings = cached_findings(state.cached, dataset, state.params(), *state.systems())
@@ -88,7 +88,7 @@ def input_findings() -> tuple[Finding, ...]:
 def cached_findings(
     cached: Cached, dataset: Dataset, params: Params, x: str, y: str | None
 ) -> tuple[Finding, ...]:
-    """The findings from a cache: `state.cached`, or the one that visitors share."""
+    """Return the findings from a cache: `state.cached`, or the one that visitors share."""
     relevant = params.only_for_audit()
     findings: tuple[Finding, ...] = cached(
         "findings", (relevant, x, y), lambda: audit_in_parts(dataset, relevant, x, y, cached)

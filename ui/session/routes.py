@@ -1,19 +1,18 @@
-"""What the browser fetches and sends beside the page: frames, boxes, uploads of pictures.
+"""HTTP routes for what the page does not carry: frames, boxes, uploads of pictures.
 
-Routes run outside the session. Without the token of a living session in the address everything is
-"not found", and the token of somebody else's session, where people log in, is of no use. No address
-holds a path of the machine. All lie below the app's base path (``server.baseUrlPath``), where it
-has one.
+Routes run outside the session. An address without the token of a living session is answered with
+"not found". If people log in, the token of another person's session is refused. No address holds a
+path of the machine. All routes lie below the app's base path (``server.baseUrlPath``), if any.
 
     GET /overview                                    the page that the app opens on
     GET /nv/TOKEN/frame/RECORDING/ROW.jpg?lo=&hi=    picture of a row of a recording
-    GET /nv/TOKEN/visible/RECORDING/ROW.jpg?seen_s=  of visible light, as eyes that adapt see it
+    GET /nv/TOKEN/visible/RECORDING/ROW.jpg?seen_s=  visible-light picture as adapting eyes see it
     GET /nv/TOKEN/boxes/RECORDING/CHUNK?v=           boxes of 1024 rows (`pack_boxes`)
-    GET /nv/TOKEN/comparison?v=                      what the browser compares X and Y with itself
-    GET /nv/TOKEN/reasons/RECORDING/ROW              what each box of a row counts and costs, why
+    GET /nv/TOKEN/comparison?v=                      columns for comparing X and Y in the browser
+    GET /nv/TOKEN/reasons/RECORDING/ROW              how each box of a row counts, its cost, and why
     PUT /nv/TOKEN/upload/pictures?name=              one file of pictures, or a video
 
-and those of the subjects, in their rooms of the dashboard.
+The packages of the subjects contribute further routes.
 """
 
 from __future__ import annotations
@@ -64,7 +63,7 @@ QUALITY: Final = 85
 NOT_COMPARED: Final = "nothing is compared yet"
 NO_FRAME: Final = "there is no such recording or frame"
 PLOTLY: Final = f"/nv/plotly-{plotly.__version__}.js"
-"""Address of the library that draws the figures."""
+"""Address of Plotly, which draws the figures."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,7 @@ class Place:
     Attributes
     ----------
     path
-        As Starlette writes it: ``"frame/{recording}/{row}.jpg"``.
+        Path in Starlette's syntax, such as ``"frame/{recording}/{row}.jpg"``.
     """
 
     path: str
@@ -83,7 +82,7 @@ class Place:
 
 
 def index_in(request: Request, name: str) -> int:
-    """A path parameter that is an index from 0; anything else becomes an index out of range."""
+    """Return a path parameter as an index from 0. Anything else becomes an index out of range."""
     text = request.path_params[name]
     is_index = text.isascii() and text.isdigit() and len(text) < MOST_DIGITS
     return int(text) if is_index else 10**MOST_DIGITS
@@ -105,18 +104,18 @@ def for_owner(handle: Handler) -> Answer:
 
 
 def say(status: int, text: str) -> Response:
-    """A plain-text answer."""
+    """Return a plain-text answer."""
     return text_answer(status, text, NOT_CACHED)
 
 
 def not_found(text: str) -> Response:
-    """A 404 answer with the reason."""
+    """Return a 404 answer with the reason."""
     return say(HTTPStatus.NOT_FOUND, text)
 
 
 @for_owner
 async def frame(request: Request, space: Workspace) -> Response:
-    """Picture of a row of a recording, its grey values stretched between two percentiles."""
+    """Send the picture of a recording's row, its grey values stretched between two percentiles."""
     lo, hi = _percentile(request, "lo", 0.0), _percentile(request, "hi", 100.0)
     if lo is None or hi is None or lo >= hi:
         return say(HTTPStatus.BAD_REQUEST, "lo and hi: expected 0 <= lo < hi <= 100")
@@ -125,7 +124,7 @@ async def frame(request: Request, space: Workspace) -> Response:
 
 @for_owner
 async def visible(request: Request, space: Workspace) -> Response:
-    """Visible-light picture of a row; with `seen_s`, as eyes see it that long after a change."""
+    """Send the visible-light picture of a row, as eyes see it `seen_s` after a change of light."""
     seen_s = _number(request, "seen_s", math.inf)
     if seen_s is None or seen_s < 0:
         return say(HTTPStatus.BAD_REQUEST, "seen_s: expected seconds, 0 or more")
@@ -142,7 +141,7 @@ async def visible(request: Request, space: Workspace) -> Response:
 async def _picture(
     request: Request, space: Workspace, own: RecordingPictures, show: Callable[[Picture], Picture]
 ) -> Response:
-    """The picture that shows a row of a recording, as JPEG."""
+    """Send the picture of a recording's row as JPEG."""
     recording, row = index_in(request, "recording"), index_in(request, "row")
     rows, pictures = own.indices.get(recording), own.sources.get(recording)
     if rows is None or pictures is None or row >= len(rows) or rows[row] < 0:
@@ -160,14 +159,14 @@ async def _picture(
 
 @for_owner
 async def boxes(request: Request, space: Workspace) -> Response:
-    """Boxes of a stretch of rows of a recording, as `pack_boxes` packs them."""
+    """Send the boxes of a chunk of a recording's rows, encoded by `pack_boxes`."""
     if (compared := space.compared) is None:
         return not_found(NOT_COMPARED)
     result, first_row = compared.result, index_in(request, "chunk") * ROWS_PER_CHUNK
     frames = _frames_from(request, result, first_row)
     if not frames:
         return not_found(NO_FRAME)
-    # boxes of a newer result than the address says are shown, but not cached under that address
+    # the result may be newer than the version in the address: show it, but don't let it be cached
     headers = CACHED if request.query_params.get("v") == compared.version else NOT_CACHED
     content = await run_in_threadpool(
         pack_boxes, result, frames.start, frames[:ROWS_PER_CHUNK].stop
@@ -177,10 +176,10 @@ async def boxes(request: Request, space: Workspace) -> Response:
 
 @for_owner
 async def comparison(request: Request, space: Workspace) -> Response:
-    """The columns of `pack_comparison`, with which the browser follows a slider."""
+    """Send the columns of `pack_comparison`, with which the browser follows a slider."""
     compared, version = space.compared, request.query_params.get("v")
     if compared is None or not can_pack(compared.result) or version != version_of(compared.result):
-        # another comparison is open by now, or is being opened, of which the page will tell
+        # another comparison is open or being opened, and the page will report its version
         return Response(status_code=HTTPStatus.NO_CONTENT, headers=NOT_CACHED)
     content = await run_in_threadpool(pack_comparison, compared.result)
     return Response(content, media_type="application/octet-stream", headers=CACHED)
@@ -188,7 +187,7 @@ async def comparison(request: Request, space: Workspace) -> Response:
 
 @for_owner
 async def reasons(request: Request, space: Workspace) -> Response:
-    """Reasons for how each box of a row counts, and its cost, with the newest settings."""
+    """Send how each box of a row counts and why, and its cost, with the newest settings."""
     if (compared := space.compared) is None:
         return not_found(NOT_COMPARED)
     frames = _frames_from(request, compared.result, index_in(request, "row"))
@@ -199,7 +198,7 @@ async def reasons(request: Request, space: Workspace) -> Response:
 
 
 def _frames_from(request: Request, result: Result, row: int) -> range:
-    """Rows in the frames table from a row of the recording to its end; empty: there are none."""
+    """Return the rows of the frames table from a row of the recording to its end, maybe none."""
     recording, first = index_in(request, "recording"), result.dataset.frame_columns.first
     if recording >= len(first) - 1:
         return range(0)
@@ -230,12 +229,12 @@ async def upload(request: Request, space: Workspace) -> Response:
 async def overview(request: Request) -> Response:
     """Redirect /overview to ``/``, the only address under which Streamlit knows the first page."""
     query = request.scope["query_string"].decode("utf-8", "replace")
-    # relative, so that it holds behind any path
+    # relative, so that it works below any path
     return RedirectResponse(f"./{'?' if query else ''}{query}", headers=NOT_CACHED)
 
 
 async def drawing_library(_request: Request) -> Response:
-    """Plotly for the browser, of the version that the figures are made with."""
+    """Send Plotly's JavaScript in the version that made the figures."""
     path = Path(plotly.__file__).parent / "package_data" / "plotly.min.js"
     headers = {"Cache-Control": "public, max-age=31536000, immutable"}
     return FileResponse(path, media_type="text/javascript", headers=headers)
@@ -252,9 +251,9 @@ OWN: Final = (
 
 
 def routes_below(start: str) -> list[Route]:
-    """All routes below a base path, as from `base_path`.
+    """Return all routes, below a base path as from `base_path`.
 
-    ``st.App(routes=...)`` does not put the base path before them by itself.
+    ``st.App(routes=...)`` does not add the base path by itself.
     """
     places = chain(OWN, *contributed("ROUTES"))
     return [
@@ -268,17 +267,17 @@ def routes_below(start: str) -> list[Route]:
 
 
 def address(space: Workspace) -> str:
-    """Prefix of the addresses of a workspace's routes."""
+    """Return the common prefix of the addresses of a workspace's routes."""
     return f"{base_path()}/nv/{space.token}"
 
 
 def _percentile(request: Request, name: str, default: float) -> float | None:
-    """A query parameter between 0 and 100; None where it is anything else."""
+    """Return a query parameter between 0 and 100, or None for anything else."""
     value = _number(request, name, default)
     return value if value is not None and 0 <= value <= 100 else None
 
 
 def _number(request: Request, name: str, default: float) -> float | None:
-    """A finite query parameter, or the default; None where it is anything else."""
+    """Return a finite query parameter, `default` if it is missing, None if it is malformed."""
     text = request.query_params.get(name)
     return default if text is None else finite_number(text)

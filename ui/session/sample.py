@@ -1,10 +1,10 @@
-"""Comparisons that all visitors share (samples, start), with results computed once.
+"""Comparisons that all visitors share, with results computed once.
 
-The samples, and the session that the app was started with. Nothing of a visitor's own gets in
-here: a session takes part only while it has the very object `SharedSample.opened` open, which is
-never changed but replaced. Of the settings that it opens with all is kept; of others what
-was asked for last, where the recordings are short. Which pictures there are is
-looked up once as well; each session reads them by itself, since their files have a position.
+These are the samples and the session that the app was started with. A browser session takes part
+only while the very object `SharedSample.opened` is its open comparison. Changes replace that object
+and never modify it, so no visitor's own data get in here. All results of the initial settings are
+kept. For other settings, the latest results are kept if the recordings are short. The search for
+pictures runs once as well, but each session reads them by itself, since files have a position.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from ui.session.workspace import Caching, Opened, Workspace
 
 MOST_SAMPLES: Final = 3
 MOST_MOVED: Final = 24
-"""Settings other than those that it opens with, whose values are kept."""
+"""Largest number of cached values for settings other than the initial ones."""
 MOVED_FRAMES: Final = 200_000
-"""Frames of all of these together: a result holds some 200 bytes for each."""
+"""Largest number of frames in all of these together. A result holds about 200 bytes per frame."""
 T = TypeVar("T")
 
 
 class SharedSample(Caching):
-    """A session that all visitors share, read once; `opened` is never changed."""
+    """A comparison that all visitors share, read once. `opened` is never modified."""
 
     def __init__(self, path: Path, label: str) -> None:
         super().__init__()
@@ -43,7 +43,7 @@ class SharedSample(Caching):
         self.most_moved: Final = min(MOST_MOVED, MOVED_FRAMES // n_frames)
 
     def new_pictures(self, key: Source = "pictures") -> RecordingPictures:
-        """Pictures for one more visitor; those that cannot be opened are tried again next time."""
+        """Return pictures for another visitor. Each call retries those that cannot be opened."""
         with self._pictures_turn:
             pictures = self._pictures.get(key)
             if pictures is None or pictures.troubles:
@@ -53,17 +53,19 @@ class SharedSample(Caching):
             return pictures.another()
 
     def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
-        """As `Caching.cached`; of visitors that ask at once, one computes and the others wait."""
+        """Like `Caching.cached`, but of several visitors one computes and the others wait."""
         turn = (kind, key)
         try:
             with self._turns.setdefault(turn, threading.RLock()):
                 return super().cached(kind, key, make, most=most)
         finally:
-            self._turns.pop(turn, None)  # who waits has it; who comes now finds the value
+            self._turns.pop(
+                turn, None
+            )  # waiting threads hold the lock itself, later ones find the value
 
     def cached_moved(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
-        """As `cached`, for settings other than the initial ones; a bounded cache of its own."""
-        known: T | None = self.peek(kind, key)  # what these settings do not move
+        """Like `cached`, but in a bounded cache for settings other than the initial ones."""
+        known: T | None = self.peek(kind, key)  # a value that these settings do not affect
         if known is not None:
             return known
         if not self.most_moved:
@@ -71,7 +73,7 @@ class SharedSample(Caching):
         return self.cached(_moved(kind), key, make, most=max(most, self.most_moved))
 
     def known(self, kind: str, key: Hashable) -> Any:
-        """The value for this key in either cache; None if there is none."""
+        """Return the value for this key from either cache, or None."""
         value = self.peek(kind, key)
         return self.peek(_moved(kind), key) if value is None else value
 
@@ -85,17 +87,17 @@ _lock = threading.Lock()
 
 
 def shared_sample(path: Path, *, label: str) -> SharedSample:
-    """The shared comparison of that session file; the first call reads it, later ones wait.
+    """Return the shared comparison of a session file. The first call reads it, others wait.
 
     Parameters
     ----------
     label
-        What it is called on the pages.
+        Name of the comparison on the pages.
 
     Raises
     ------
     NvcoreError
-        If it cannot be read; the next call tries again.
+        If it cannot be read. The next call tries again.
     """
     with _lock:
         if path not in _samples:
@@ -112,26 +114,26 @@ def _openings() -> list[Opened]:
 
 
 def shared_opening(session: Session, label: str) -> Opened | None:
-    """The shared comparison with that session and label; None if it is a visitor's own."""
+    """Return the shared comparison with that session and label, or None."""
     shared = (one for one in _openings() if one.session is session and one.label == label)
     return next(shared, None)
 
 
 def sample_of(opened: Opened) -> SharedSample | None:
-    """The shared comparison that is open; None if it is another, or was changed."""
+    """Return the shared comparison that is `opened`, or None if it is another or was changed."""
     with _lock:
         return next((sample for sample in _samples.values() if sample.opened is opened), None)
 
 
 def as_shared(opened: Opened) -> Opened:
-    """The shared comparison if this equals it as opened; else the argument."""
+    """Return the shared comparison that has the same data and session, or else the argument."""
     frames, session = opened.whole.frames, opened.session
     shared = (one for one in _openings() if one.whole.frames is frames and one.session == session)
     return next(shared, opened)
 
 
 def shown_in(space: Workspace, opened: Opened) -> Opened:
-    """Opens a comparison in a workspace: with the shared pictures of a sample, else its own."""
+    """Show a comparison in a workspace, with a sample's shared pictures if it is one."""
     shared = sample_of(opened)
     if shared is not None:
         return space.show(opened, shared.new_pictures(), shared.new_pictures("visible"))

@@ -1,8 +1,8 @@
-"""What a run begins with: what is open, its frame and the settings that a visitor has made.
+"""Start of each script run, and the settings that a visitor has made.
 
-Settings are kept independently of the widgets that show them. Streamlit forgets the value of a
-widget that a run does not draw, as one that a click on the page cuts off for another page. So a
-widget only tells of a change, and is given its value anew.
+Settings are stored independently of the widgets that show them. Streamlit forgets the value of a
+widget that a run does not draw, such as a run that is cut off by a click. So a widget only reports
+changes, and receives its value in each run.
 """
 
 from __future__ import annotations
@@ -18,17 +18,19 @@ _NONE: Final = object()
 
 
 def begin_run() -> None:
-    """Prepare the state for a run; call before any widget is drawn.
+    """Prepare the state for a run, before any widget is drawn.
 
-    Any run may be cut off by the next one, even while something is being opened. So whatever
-    belongs to the open comparison is renewed here, when its number has changed.
+    Any run may be cut off by the next one, even while something is being opened. So all state of
+    the open comparison is reset here once the number of the comparison has changed.
     """
     store.FIRST_QUERY.setdefault(st.query_params.to_dict())
     space = state.workspace()
     seen_opening = store.SEEN_OPENING.get()
     if seen_opening != space.n_opened:
         _forget()
-        if seen_opening is not None:  # the first one may be opened by a link
+        if (
+            seen_opening is not None
+        ):  # the first comparison may be opened by a link, which sets the frame
             store.PLACE.set((0, 0))
         store.SEEN_OPENING.set(space.n_opened)
     elif store.WANTS_RESET.pop():
@@ -41,7 +43,7 @@ def begin_run() -> None:
 
 
 def _follow_link() -> None:
-    """Take systems, recording and frame from the address with which the session was opened."""
+    """Apply the page's address: systems, tags, operating point, frame and parameters."""
     query = st.query_params.to_dict()
     get = query.get
     systems = state.opened().dataset.systems
@@ -71,13 +73,13 @@ def _follow_link() -> None:
 
 
 def _forget() -> None:
-    """Drop all settings: those of the open session hold again."""
+    """Reset all settings to those of the open session."""
     store.PARAMS.pop()
     store.SETTINGS.pop()
 
 
 def kept(name: str, otherwise: Any) -> Any:
-    """Value of a setting; `otherwise` if the visitor has not set it."""
+    """Return the value of a setting, or `otherwise` if the visitor has not set it."""
     return store.SETTINGS.get().get(name, otherwise)
 
 
@@ -87,7 +89,7 @@ def keep(**values: Any) -> None:
 
 
 def shown() -> dict[str, Any]:
-    """Values given to widgets so far in this run."""
+    """Return the values given to widgets so far in this run."""
     return store.SETTINGS_SHOWN.get()
 
 
@@ -99,9 +101,9 @@ def take(name: str) -> None:
 
 
 def drag(name: str, value: float) -> None:
-    """Store the value of a slider while it is dragged; Streamlit learns of it on release.
+    """Store the value of a slider while it is dragged, before Streamlit learns of it.
 
-    Passed over where it was let go since: that is newer.
+    Ignored if the slider was released since, because that value is newer.
     """
     if name not in store.SETTINGS_RELEASED.get():
         keep(**{name: value})
@@ -118,10 +120,10 @@ def give(name: str, value: Any) -> None:
 
 
 def key_of(name: str, value: Any) -> str:
-    """Key of a widget whose value is also changed elsewhere.
+    """Return the key of a widget whose value is also changed elsewhere.
 
-    A browser that has not heard of such a change sends what the widget had before, as if it had
-    been chosen. So what others have changed is shown by another widget.
+    A browser that does not know of such a change yet sends the old value as if the visitor had
+    chosen it. So a value that was changed elsewhere gets a new widget.
     """
     memory = store.WIDGETS_SHOWN.of(name)
     shown = memory.get()
@@ -135,8 +137,8 @@ def key_of(name: str, value: Any) -> str:
 def is_chosen(name: str, key: str) -> bool:
     """Callback helper: whether the visitor, not the app, changed a widget with a key of `key_of`.
 
-    A browser sends the value of a widget that another has replaced until it has drawn that one, and
-    Streamlit, which has forgotten the value, takes it for a change.
+    A browser keeps sending the value of a replaced widget until the new one is drawn. Streamlit
+    has forgotten that value, and takes it for a change.
     """
     memory, value = store.WIDGETS_SHOWN.of(name), store.widget(key).get()
     shown = memory.get()

@@ -182,7 +182,7 @@ class Workspace(Caching):
     owner
         Key of the person who has logged in (`ui.access.people`). Empty if log-in is off.
     folder
-        Own folder for uploads, mode 0700, which is removed with the workspace.
+        Folder for its uploads, mode 0700, removed with the workspace.
     opened
         The open comparison; None before one is opened. Pages ask `ui.session.state.opened`.
     n_opened
@@ -206,7 +206,7 @@ class Workspace(Caching):
     upload_bytes
         Share of `used_bytes` that belongs to annotations and outputs of runs, by folder.
     lock
-        Held while these are changed.
+        Held while uploads and their sizes are changed.
     picture_process
         Process that opens and reads pictures.
     model_process
@@ -215,7 +215,7 @@ class Workspace(Caching):
         Limits how many pictures the browser reads at a time, so that slow ones do not block the
         threads of other visitors.
     refusal
-        Why the last annotation file was refused. Empty once the page has shown it.
+        Reason why the last annotation file was refused. Empty once the page has shown it.
     notes
         Values that a page remembers under its own key. They outlast `forget`, unlike cached values,
         and a reload, unlike the store.
@@ -269,7 +269,7 @@ class Workspace(Caching):
 
     @property
     def pictures_version(self) -> str:
-        """Version of the pictures, likewise."""
+        """Version of the pictures, for addresses that browsers may cache."""
         return str(self._n_changes)
 
     def job(self, kind: str) -> Any:
@@ -303,8 +303,7 @@ class Workspace(Caching):
     def path_in(self, folder: Path, path: Path) -> str:
         """Return a path as a session in `folder` names it.
 
-        It is relative within the folder and among uploads. An absolute path elsewhere keeps the
-        names of the machine's folders out of written sessions.
+        It is relative within the folder and among uploads, and absolute elsewhere.
         """
         is_near = path.is_relative_to(folder) or (
             path.is_relative_to(self.folder) and folder.is_relative_to(self.folder)
@@ -323,7 +322,7 @@ class Workspace(Caching):
         visible: RecordingPictures = NONE_VISIBLE,
     ) -> Opened:
         """Switch to another comparison and its pictures, and return it."""
-        self.forget()  # first: nothing should go on to read the pictures
+        self.forget()  # first, so that no job reads closed pictures
         self.close_pictures()
         self._all_pictures, self._all_visible = pictures, visible
         self._look_at(opened)
@@ -357,7 +356,7 @@ class Workspace(Caching):
         _workspaces.pop(self.token, None)
         self.opened = None
         self.notes.clear()
-        self.forget()  # first: nothing should go on to read the pictures
+        self.forget()  # first, so that no job reads closed pictures
         self.close_pictures()
         self.picture_process.close()
         self.model_process.close()
