@@ -1,1 +1,1 @@
-"""What every page has: sidebar, navigation, messages."""
+"""Parts common to all pages: sidebar, navigation, messages."""

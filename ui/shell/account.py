@@ -1,4 +1,4 @@
-"""Who has logged in, and the way out; nothing where there is no log-in."""
+"""Name of the logged-in person and the button to log out, if log-in is set up."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ui.widgets.text import plain
 
 
 def is_welcome() -> bool:
-    """Whether this browser's user may go on: is logged in, as whoever began the session."""
+    """Whether this browser's user may go on, being logged in as the session's owner."""
     if login() is None:
         return True
     key = key_of(st.context.cookies)
@@ -20,13 +20,13 @@ def is_welcome() -> bool:
 
 
 def draw_farewell() -> None:
-    """In place of every page, where the log-in has ended: the gate then asks for another."""
+    """Draw a notice in place of the page once the log-in has ended. A reload asks to log in."""
     st.title("Logged out")
     st.write("Load the page again to log in.")
 
 
 def draw() -> None:
-    """Who has logged in, and the button to log out."""
+    """Draw the name of the logged-in person and the button to log out."""
     by = login()
     person = None if by is None else person_of(st.context.cookies, by)
     if person is None:
@@ -37,9 +37,9 @@ def draw() -> None:
 
 
 def _log_out() -> None:
-    """End the log-in and close what is open; the browser then goes to the provider."""
+    """End the log-in, close the workspace and send the browser to the provider."""
     space = store.WORKSPACE.get()
     end_log_in(st.context.cookies)
     if space is not None:
-        space.close()  # not forgotten: the session ends with it
+        space.close()  # stays in the store, because the session ends as well
     st.logout()

@@ -1,4 +1,4 @@
-"""The live parameters, made from the settings before anything is drawn."""
+"""Live parameters, built from the settings before anything is drawn."""
 
 from __future__ import annotations
 
@@ -17,15 +17,14 @@ KEPT_NUMBERS: Final = 1e-9
 
 
 def read() -> str:
-    """Make the settings the live parameters.
+    """Build the live parameters from the settings.
 
-    A widget tells of its new value before it is drawn: so the page can be drawn first, and the
-    sidebar, which is less urgent, after it.
+    A widget reports its new value before it is drawn. So the page can be drawn first, and the less
+    urgent sidebar after it.
 
     Returns
     -------
-    What is wrong with the values, for the sidebar; empty if nothing. The last parameters that
-    worked then stay in use.
+    Error message for the sidebar, or "". After an error the last valid parameters stay in use.
     """
     values = {name: _read(name, setting) for name, setting in SETTINGS.items()}
     try:
@@ -49,12 +48,12 @@ def _read(name: str, setting: Setting) -> Any:
 
 
 def value_of(name: str) -> Any:
-    """Value of a setting as it was made, else that of the open session."""
+    """Return the visitor's value of a setting, or else the open session's."""
     return settings.kept(name, getattr(state.session_params(), name))
 
 
 def slider_start(name: str) -> float:
-    """Where the slider of a parameter starts: the session's value, else what the data agree on."""
+    """Return a slider's start: the session's value, else that common to all recordings, or 0."""
     value = getattr(state.session_params(), name)
     if value is None and SETTINGS[name].height_share is not None:
         return default_height_px(name)
@@ -65,7 +64,7 @@ def slider_start(name: str) -> float:
 
 
 def is_used(setting: Setting) -> bool:
-    """Whether the setting has a meaning with the data and the choices that are made."""
+    """Whether a setting applies to the open data and the other settings."""
     if setting.applies is not None and not setting.applies(state.opened().dataset):
         return False
     if setting.used_with is None:
@@ -75,12 +74,12 @@ def is_used(setting: Setting) -> bool:
 
 
 def picture_height() -> float:
-    """Height of the highest pictures, pixels."""
+    """Return the height of the highest pictures, px."""
     return float(state.opened().dataset.recordings["height"].max())
 
 
 def default_height_px(name: str) -> float:
-    """The default of the sigmoid's midpoint or spread, pixels."""
+    """Return the default of the sigmoid's midpoint or spread, px."""
     share = SETTINGS[name].height_share
     assert share is not None
     return share * picture_height()
@@ -96,9 +95,9 @@ def _chosen_height_px(name: str) -> float | None:
 
 
 def threshold_scale(letter: str) -> tuple[float, float, float] | None:
-    """Ends and step of the slider over the scores of X or Y; None without different scores.
+    """Return the ends and the step of the slider over the scores of X or Y.
 
-    Round values lie on its steps.
+    Its steps hit round values. Returns None if the scores do not differ.
     """
     span = state.span_of(letter)
     if span is None:
@@ -116,10 +115,10 @@ def counts_all(letter: str) -> bool:
 
 
 def _threshold(name: str) -> float | None:
-    """At the lowest score every detection counts: no threshold, unless what is open has one there.
+    """Return the live threshold of a system, or None if every detection counts.
 
-    Where no slider can be drawn the session's own threshold holds, not one that was set for
-    another system before.
+    A threshold at or below the lowest score becomes None, unless the session itself sets one there.
+    Without a slider the session's own threshold applies, not one set earlier for another system.
     """
     span = state.span_of(name[-1])
     own: float | None = getattr(state.session_params(), name)
@@ -128,4 +127,4 @@ def _threshold(name: str) -> float | None:
     value: float | None = value_of(name)
     if value is None or value > span[0]:
         return value
-    return own if own is not None and own <= span[0] else None  # all count: nothing has changed
+    return own if own is not None and own <= span[0] else None  # every detection counts either way

@@ -153,9 +153,9 @@ def shown_error(error: BaseException) -> str:
 
 @contextmanager
 def errors_shown() -> Iterator[None]:
-    """Draw an error in what the user entered or opened, and go on after the block.
+    """Draw an error in the user's input, and go on after the block.
 
-    As a decorator: after the function, which then returns None.
+    Also works as a decorator. The function then returns None after an error.
     """
     try:
         yield

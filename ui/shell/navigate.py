@@ -1,4 +1,4 @@
-"""From one page to another, at a frame."""
+"""Navigation from page to page and to a frame."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ PAGES: Final = state.ROOT / "pages"
 
 
 def open_frame(recording_index: int, row_in_recording: int) -> NoReturn:
-    """Show a frame on the Timeline page; a list that was walked through there is closed."""
+    """Show a frame on the Timeline page, and close the list that is viewed there."""
     review.end()
-    # written on the way, the frame would be a place of its own in the browser's history
+    # writing the address here would add another entry to the browser's history
     state.go_to(recording_index, row_in_recording, writes=False)
     open_page("timeline")
 
@@ -26,19 +26,19 @@ def open_row(row: int) -> NoReturn:
 
 
 def ask_for_page(name: str) -> None:
-    """Go to a page in the next run: for buttons that are not drawn again."""
+    """Go to a page in the next run. For buttons that are not drawn again."""
     store.NEXT_PAGE.set(name)
 
 
 def follow_wish() -> None:
-    """Go to the page that was asked for, if any."""
+    """Go to the page requested by `ask_for_page`, if any."""
     name = store.NEXT_PAGE.pop()
     if name is not None:
         open_page(name)
 
 
 def open_page(name: str, **address: str) -> NoReturn:
-    """Go to a page, as by these entries of its address; recording, frame and parameters stay."""
+    """Go to a page with these address entries, keeping recording, frame and parameters."""
     if address:
         store.PAGE_LINK.set(address)
     st.switch_page(str(PAGES / f"{name}.py"))

@@ -25,13 +25,13 @@ from ui.streamlit_inside.types import StreamlitPage
 from ui.subjects import Page, contributed
 
 _ADDED: Final = tuple(chain(*results_of_subjects("results")))
-"""Stages whose results subjects show, on the pages about moments and encounters too."""
+"""Stages whose results the subjects add to the pages about moments and encounters."""
 COMPARE: Final = "Compare"
 EVIDENCE: Final = "Evidence"
 LAB: Final = "Lab"
 HELP: Final = "Help"
 GROUPS: Final = (EVIDENCE, LAB)
-"""Sections whose pages unfold from one entry; those of the others are entries themselves."""
+"""Sections whose pages unfold from a single entry of the navigation."""
 
 
 def _lacks_third_system() -> str:
@@ -92,14 +92,14 @@ def all_pages() -> dict[str, StreamlitPage]:
 
 
 def page_of(current: StreamlitPage) -> Page:
-    """Return the description of a page; Streamlit gives the first one no address."""
+    """Return the description of a page. Streamlit gives the first page an empty address."""
     return PAGE_OF[current.url_path or START]
 
 
 def draw_bar(links: dict[str, StreamlitPage], here: Page) -> None:
     """Draw the navigation in one row: pages, groups of pages that unfold, and icons.
 
-    What the comparison has no data for stands last in a group, with what it would need.
+    Pages that the comparison lacks data for come last in a group, with the missing data.
     """
     lacking = {page.key: need for page in _PAGES if (need := page.lacks())}
     with st.container(horizontal=True, gap="xsmall", vertical_alignment="center", key="navigation"):
@@ -109,7 +109,7 @@ def draw_bar(links: dict[str, StreamlitPage], here: Page) -> None:
                 with st.container(width="content", key="nav_current" if is_here else None):
                     st.page_link(links[page.key], width="content")
         for group in GROUPS:
-            # another one on each page, so that it is closed there
+            # another key on each page, so that the popover is closed there
             name = f"current_{here.key}" if here.section == group else group
             with st.popover(group, type="tertiary", key=f"nav_{name}"):
                 _draw_group(group, links, lacking)

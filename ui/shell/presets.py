@@ -1,4 +1,4 @@
-"""The sidebar's presets: which is in use, and which settings were moved away from it."""
+"""Presets in the sidebar, and the settings that were moved away from the preset in use."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ui.shell import live_params
 
 KEY: Final = "preset"
 MARK: Final = ":primary[●]"
-"""Beside the name of a setting that was moved."""
+"""Mark beside the name of a setting that was moved."""
 CLOSE: Final = 1e-9
 _BY_NAME: Final = {preset.name: preset for preset in PRESETS}
 
 
 def preset_in_use() -> Preset | None:
-    """The preset whose values all settings but the thresholds have; None: custom settings."""
+    """Return the preset that all settings except thresholds agree with (None: custom settings)."""
     live = state.params()
     for preset in _presets():
         values = preset.values(live_params.picture_height())
@@ -36,9 +36,10 @@ def _presets() -> tuple[Preset, ...]:
 
 
 def changed() -> dict[str, Any]:
-    """Settings that were moved away from the preset, or else from what was opened, and its values.
+    """Return the settings that were moved, with the values that they were moved away from.
 
-    Thresholds belong to no preset: they are compared with those of what is open.
+    These are the values of the chosen preset, or else of the open session. Thresholds belong to no
+    preset and are always compared with the session's.
     """
     base = {name: getattr(state.session_params(), name) for name in SETTINGS}
     if (preset := _chosen()) is not None:
@@ -52,7 +53,7 @@ def changed() -> dict[str, Any]:
 
 
 def draw(moved: dict[str, Any]) -> None:
-    """The presets with that in use marked, and a list of what differs, each with its way back."""
+    """Draw the presets, with the one in use marked, and buttons that undo each moved setting."""
     preset = preset_in_use()
     name = None if preset is None else preset.name
     key = settings.key_of(KEY, name)
@@ -80,7 +81,7 @@ def draw(moved: dict[str, Any]) -> None:
 
 
 def _changes_text(moved: dict[str, Any]) -> str:
-    """How many settings were moved; where none was, whether the session gives some of its own."""
+    """Return the number of moved settings in words, or whether the session sets any."""
     if moved:
         return f"{count_text(len(moved), 'setting')} changed"
     is_of_session = _chosen() is None and state.session_params() != Params()
@@ -88,7 +89,7 @@ def _changes_text(moved: dict[str, Any]) -> str:
 
 
 def _take(key: str) -> None:
-    """A preset was chosen; the one in use, pressed again, stays."""
+    """Callback: apply the chosen preset. Pressing the preset in use again changes nothing."""
     name: str | None = store.widget(key).get()
     if settings.is_chosen(KEY, key) and name is not None:
         store.PRESET.set((state.workspace().n_opened, name))
@@ -97,7 +98,7 @@ def _take(key: str) -> None:
 
 
 def reset(name: str, value: Any) -> None:
-    """Give a setting this value again. For callbacks."""
+    """Reset a setting to this value. For callbacks."""
     setting = SETTINGS[name]
     if setting.stage is THRESHOLD:
         state.set_threshold(name[-1], value)
@@ -106,13 +107,13 @@ def reset(name: str, value: Any) -> None:
 
 
 def _chosen() -> Preset | None:
-    """The preset chosen last for what is open."""
+    """Return the preset chosen last for the open comparison, or None."""
     opening, name = store.PRESET.get()
     return _BY_NAME[name] if opening == state.workspace().n_opened else None
 
 
 def _resolved(name: str, value: Any) -> Any:
-    """The value of a widget: a share of the picture's height in pixels."""
+    """Return the widget's value: the default in pixels for an unset share of the height."""
     is_share = value is None and SETTINGS[name].height_share is not None
     return live_params.default_height_px(name) if is_share else value
 

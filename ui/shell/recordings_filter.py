@@ -1,4 +1,4 @@
-"""The sidebar's choice of recordings by their tags, which holds on every page."""
+"""Choice of recordings by tags in the sidebar, which applies to every page."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _KEY: Final = "tags_chosen"
 
 
 def draw() -> None:
-    """The field, and how many recordings are compared; nothing where no recording has a tag."""
+    """Draw the choice and the number of compared recordings, if any recording has a tag."""
     tags = sorted({tag for own in state.opened().whole.recordings["tags"] for tag in own})
     if not tags:
         return
@@ -43,19 +43,19 @@ def draw() -> None:
 
 
 def filter_text() -> str:
-    """Which recordings are compared, such as ``3 of 8 recordings: night``; empty: all."""
+    """Describe the compared recordings, such as ``3 of 8 recordings: night`` (empty: all)."""
     names, every = state.recording_names(), state.opened().whole.recordings
     tags = state.opened().session.only_tags
     return "" if len(names) == len(every) else part_text(names, every, tags)
 
 
 def choose_tags(tags: Sequence[str]) -> None:
-    """Compare only recordings that have all of these tags; the frame stays, if it is one of them.
+    """Compare only recordings that have all of these tags, keeping the current frame if possible.
 
     Raises
     ------
     InputError
-        If no recording has them.
+        If no recording has all tags.
     """
     name, of_recording = state.recording_names()[state.recording()], state.frame_numbers
     numbers = of_recording(state.recording())

@@ -1,4 +1,4 @@
-"""Remedies as the pages word them: by their fields."""
+"""Wording of suggested fixes on the pages, in terms of their fields."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _OPTIONS: Final = {
     "only": "choose recordings by their tags in the sidebar",
     "recordings": "fill in the table “Recordings”",
 }
-"""Options that are no settings, and messages of which pages show."""
+"""Options that are not settings, but that messages on pages can suggest."""
 
 
 def ways_text(
@@ -44,14 +44,14 @@ def ways_text(
     *,
     are_all_needed: bool = False,
 ) -> str:
-    """Ways on as a sentence.
+    """Return suggested fixes as a sentence.
 
     Parameters
     ----------
     systems
         Names of X and Y.
     objects
-        What the boxes are of.
+        Kind of object in the boxes.
     are_all_needed
         See `steps_text`.
 
@@ -88,4 +88,4 @@ BUTTONS: Final = {
     Remedy.PICTURES: "Take {value}",
     Remedy.FIRST_PICTURE: "First picture shows frame {value}",
 }
-"""Labels of the buttons that do it, where `nvcore.inputs.changes.applied` can."""
+"""Labels of buttons for the fixes that `nvcore.inputs.changes.applied` can apply."""

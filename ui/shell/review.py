@@ -1,4 +1,4 @@
-"""The list of a finding, walked through on the Timeline: at which entry, and what was seen."""
+"""List of a finding's cases on the Timeline: the current entry, and the entries viewed."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from nvcore.wording import capitalised
 from ui.session import state, store
 
 ListKey = tuple[str, ...]
-"""Data, code and subject of a finding, and which cases it has."""
+"""Data fingerprint, code and subject of a finding, and a hash of its cases."""
 
 
 @dataclass(frozen=True)
 class Review:
-    """A list that is walked through.
+    """List that is viewed entry by entry.
 
     Attributes
     ----------
     finding
-        Whose cases are the entries.
+        Finding with the cases that are the entries.
     at
-        The entry that is looked at, counted from 0.
+        Current entry, counted from 0.
     key
-        Says which list of which data it is.
+        Identifies the list and its data.
     """
 
     finding: Finding
@@ -45,23 +45,23 @@ class Review:
 
     @cached_property
     def frame_row(self) -> int:
-        """Row of the entry's frame in the frames table; `NO_ROW`: it is not evaluated."""
+        """Row of the entry's frame in the frames table, or `NO_ROW` if it is not evaluated."""
         case = Cases(self.cases.table, np.asarray(self.cases.rows)[self.at : self.at + 1])
         return int(entry_frames(state.opened().dataset, case)[0])
 
     @property
     def entry(self) -> pd.Series[Any]:
-        """The entry as the list has it."""
+        """Row of the current entry in `entries_of`."""
         return entries_of(self.finding, self.key).iloc[self.at]
 
 
 def finding_key(finding: Finding) -> tuple[str, str, str]:
-    """Says which finding it is, for as long as the same data are open."""
+    """Return a key that identifies a finding in the open data."""
     return state.opened().dataset.fingerprint, finding.code, finding.subject
 
 
 def subject_text(finding: Finding) -> str:
-    """What a finding is about: the truth, pictures, or a system with its letter; not yet plain."""
+    """Return a finding's subject: truth, pictures, or a system with its letter. Not yet `plain`."""
     if finding.subject == TRUTH_NAME or finding.is_of_pictures:
         return capitalised(finding.subject)
     x, y = state.systems()
@@ -70,14 +70,14 @@ def subject_text(finding: Finding) -> str:
 
 
 def list_key(finding: Finding) -> ListKey:
-    """Says which cases it has as well: thresholds, matching, X and Y change them."""
+    """Return a key of a finding and its cases, which depend on thresholds, matching, X and Y."""
     assert finding.cases is not None
     rows = np.asarray(finding.cases.rows, dtype=np.int64).tobytes()
     return *finding_key(finding), sha256(rows).hexdigest()[:12]
 
 
 def entries_of(finding: Finding, key: ListKey) -> pd.DataFrame:
-    """All entries of a list, a row each: `nvcore.tables.finding_entries`."""
+    """Return all entries of a list, one per row (see `nvcore.tables.finding_entries`)."""
     dataset = state.opened().dataset
     table: pd.DataFrame = state.workspace().cached(
         "finding_entries", key, lambda: finding_entries(dataset, [finding])
@@ -86,36 +86,36 @@ def entries_of(finding: Finding, key: ListKey) -> pd.DataFrame:
 
 
 def seen_of(key: ListKey) -> frozenset[int]:
-    """The entries of a list that were looked at."""
+    """Return the entries of a list that were viewed."""
     return store.ENTRIES_SEEN.get().get(key, frozenset())
 
 
 def current() -> Review | None:
-    """The list that is walked through; None: none of the data that are open."""
+    """Return the list that is viewed, or None if there is none for the open data."""
     review = store.REVIEW.get()
     is_of_these = review and review.key[0] == state.opened().dataset.fingerprint
     return review if is_of_these else None
 
 
 def begin(finding: Finding, at: int) -> bool:
-    """Walk through a list from this entry on; False: its frame is not evaluated."""
+    """View a list from this entry on. Return False if its frame is not evaluated."""
     return _show(Review(finding, at, list_key(finding)), writes=False)  # another page follows
 
 
 def go_to(at: int) -> None:
-    """Look at another entry of the list. For callbacks."""
+    """View another entry of the list. For callbacks."""
     review = current()
     if review is not None and 0 <= at < len(review.cases):
         _show(Review(review.finding, at, review.key))
 
 
 def end() -> None:
-    """Walk through no list any longer."""
+    """Stop viewing the list."""
     store.REVIEW.pop()
 
 
 def _show(review: Review, *, writes: bool = True) -> bool:
-    """Look at an entry: its frame becomes the current one, if it is evaluated."""
+    """View an entry, and go to its frame. Return False if that is not evaluated."""
     store.REVIEW.set(review)
     seen = seen_of(review.key) | {review.at}
     store.ENTRIES_SEEN.set({**store.ENTRIES_SEEN.get(), review.key: seen})

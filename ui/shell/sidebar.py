@@ -68,7 +68,7 @@ class _Settings:
     moved: dict[str, Any]
 
     def draw(self) -> None:
-        """Draw the page's own settings, then thresholds, then those on the weight of a miss.
+        """Draw the page's own settings, then thresholds, then settings for the weight of a miss.
 
         Every new comparison needs thresholds.
         """
@@ -268,8 +268,8 @@ class _Settings:
         help_text: str = "",
         **more: Any,
     ) -> None:
-        # a session or a link may set any valid value: the slider then reaches to it, and stays so,
-        # since a slider with other ends is a new widget and loses its value
+        # a session or a link may set any valid value: the slider is extended to it and stays so,
+        # because a slider with other ends is a new widget and loses its value
         made = live_params.value_of(name)
         given = float(value if made is None else made)
         reached = store.SLIDER_ENDS.of(name)
@@ -283,7 +283,7 @@ class _Settings:
             self._label(name),
             min_value=ends[0],
             max_value=ends[1],
-            # start value: a browser misses the value that one run sets if the next run overtakes it
+            # a browser misses the value set by one run if the next run overtakes it
             value=given,
             step=float(step),
             key=name,

@@ -1,4 +1,4 @@
-"""Which two systems are X and Y, in the sidebar of every page, and how they change places."""
+"""Legend of X and Y in the sidebar of every page, with a button that swaps them."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ MAX_NAME = 24
 
 
 def draw() -> None:
-    """Name of each system beside a sample of its line, and the button that swaps them.
+    """Draw each system's name beside a sample of its line, and the button that swaps them.
 
-    Tables and tiles of all pages get the same colours.
+    This also sets the systems' colours for tables and tiles of all pages.
     """
     theme, names = state.theme(), state.systems()
     styles = {letter: theme.style(letter) for letter in "xy"}
@@ -51,7 +51,7 @@ def _row(letter: str, name: str | None, colour: str, dash: str) -> str:
 
 
 def swap() -> None:
-    """X becomes Y, and Y becomes X. For callbacks."""
+    """Swap X and Y. For callbacks."""
     x, y = state.systems()
     if y is not None:
         state.compare_systems(y, x)

@@ -1,4 +1,4 @@
-"""The document's title: what is open, so that several tabs can be told apart."""
+"""Title of the document, which tells browser tabs apart."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ TIMELINE: Final = "timeline"
 
 
 def last() -> str:
-    """The title of the run before, which stays until this run knows a better one."""
+    """Return the previous run's title, which stays until this run sets another."""
     return store.TITLE.get() or NAME
 
 
 def draw(page: str, path: str) -> None:
-    """Give the document the title of a page, or of the frame that it shows."""
+    """Set the document's title to that of a page, or on the Timeline of its frame."""
     what = _frame() if path == TIMELINE else page
     systems = "/".join(
         shortened(one_line(name), MAX_SYSTEM) for name in state.systems() if name is not None
@@ -31,7 +31,7 @@ def draw(page: str, path: str) -> None:
 
 
 def follow_frame() -> None:
-    """Give the document the title of the current frame, where only a part of a page runs again."""
+    """Set the document's title to the current frame's when only a part of a page runs again."""
     draw("", TIMELINE)
 
 

@@ -1,4 +1,4 @@
-"""The way out of a page that fails: without the files that were sent, at the start, or all anew."""
+"""Buttons on a failed page: remove uploaded pictures, go back to the start data, or start over."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from ui.session.workspace import Workspace
 
 
 def draw(*, is_fault: bool) -> None:
-    """Offer what may help.
+    """Draw the buttons that may help.
 
     Parameters
     ----------
     is_fault
-        Whether the program is to blame; otherwise there is only a way back from what this visitor
-        has opened or sent.
+        True if the program is to blame. Otherwise buttons appear only if this visitor has opened or
+        sent something.
     """
     space = store.WORKSPACE.get()
     has_opened = space is not None and (space.n_opened > 1 or bool(space.stored))

@@ -1,8 +1,8 @@
-"""Settings that act while their slider moves, and what still shows their former values.
+"""Settings that act while their slider is dragged, and a mark on parts that lag behind.
 
-A script of the page computes what it can for where the handle is, from columns that it fetches
-once (`ui.session.packed_comparison`). Streamlit tells Python of a slider only when it is let go;
-where the script cannot compute, it sends values on the way, one at a time (`ui.session.settings`).
+Streamlit reports a slider to Python only on release. Until then a script of the page computes
+results from columns that it fetches once (`ui.session.packed_comparison`). Where it cannot, it
+sends the values on the way to Python, one at a time (`ui.session.settings`).
 """
 
 from __future__ import annotations
@@ -26,29 +26,29 @@ from ui.widgets.script import read_script
 
 KEY: Final = "live"
 SMALL_BYTES: Final = 2_000_000
-"""So much is fetched before a slider is reached for."""
+"""Columns up to this size are fetched before a slider is touched."""
 
 
 def _moving(*stages: Stage) -> list[str]:
-    """Live settings that move the results of these stages."""
+    """Return the live settings that affect the results of these stages."""
     return [name for name in LIVE if SETTINGS[name].moves(stages)]
 
 
 MOVES: Final = {measure.key: _moving(*measure.stages) for measure in MEASURES}
-"""Which live settings move each measure."""
+"""Live settings that affect each measure."""
 STILL: Final[dict[str, list[str]]] = {"venn": _moving(ENCOUNTERS, SEVERITY), "viewer": []}
-"""Parts of pages by their key, and what moves them: other settings leave them as they are. The
-viewer follows by itself, but for the counts in its legend."""
+"""Live settings that affect parts of pages, by the part's key. The viewer follows by itself, except
+for the counts in its legend."""
 COUNTS: Final = _moving(ENCOUNTERS, SALIENT)
-"""What moves those counts."""
+"""Live settings that affect the counts in the viewer's legend."""
 FOLDER: Final = Path(__file__).parent
 _COMPONENT = st.components.v2.component("nvcore_live", js=read_script(FOLDER / "sliders.js"))
 
 
 def draw(*, can_compare: bool) -> None:
-    """The invisible part of the page that watches the sliders; after all that they act on.
+    """Draw the invisible component that watches the sliders, after everything they act on.
 
-    Until it has heard that the page was drawn for what they show, it says so on the page.
+    It marks the page as outdated until the page is drawn for the sliders' values.
     """
     drawn = {name: value for name, value in settings.shown().items() if isinstance(value, float)}
     data = {
@@ -61,7 +61,7 @@ def draw(*, can_compare: bool) -> None:
 
 
 def _live() -> dict[str, Any] | None:
-    """What the browser needs to compute by itself; None: it cannot."""
+    """Return the browser's data for computing by itself, or None if it cannot."""
     result = state.result()
     if result is None or not can_pack(result):
         return None
@@ -90,7 +90,7 @@ def _note() -> None:
 
 
 def note(drag: Any) -> None:
-    """Make the setting what its slider says in motion, if what the browser sends has a meaning."""
+    """Apply the value of a slider that is being dragged. Ignore malformed messages."""
     if not isinstance(drag, Mapping):
         return
     name, value, answered = (drag.get(key) for key in ("name", "value", "id"))

@@ -1,17 +1,17 @@
-"""What the browser's tab does by itself: it remembers what was open, and how one goes back.
+"""Scripts of the browser's tab: restoring after a reload, history, narrow windows and theme.
 
 *Reload.* A reload starts a new Streamlit session. The tab keeps the workspace's token in the
-browser's ``sessionStorage``, which ends with the tab, and claims the workspace with it, unless that
-has been closed or another page uses it. The page from before the reload may be that other one for a
-moment: the server hears of its end when it hears of it. So the claim is repeated for a while.
+browser's ``sessionStorage``, which ends with the tab. The new session claims the workspace with it,
+unless the workspace is closed or used by another page. That may still be the page from before the
+reload, since the server notices its end with a delay. So the claim is repeated for a while.
 
-*Back.* Streamlit makes an entry in the browser's history for each change of the address. Here one
-is made for another page, recording or encounter only; any other change replaces the entry.
+*Back.* Streamlit adds an entry to the browser's history for each change of the address. Here only
+another page, recording or encounter adds one. Any other change replaces the current entry.
 
-*Theme.* Streamlit changes its own colours with the theme at once, and tells Python of it with the
-next run only. The script is imported once for each document, however often the part is drawn, and
-keeps the element that is watched as long: there is one observer, which ends with the document. Each
-drawing says anew whom it tells. A clean-up by drawing would end the observer of the drawing after.
+*Theme.* Streamlit applies a changed theme at once, but tells Python only in the next run. The
+script is imported once per document, however often it is drawn. Its only observer lasts as long as
+the document, and each drawing sets anew which component it notifies. A clean-up by one drawing
+would end the observer of the next drawing.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from ui.widgets.script import read_script
 
 KEY: Final = "tab"
 MOST_CLAIMS: Final = 7
-"""The last one comes after a minute: by then the server has noticed a connection that broke off."""
+"""The last claim comes after a minute, when the server has noticed a broken connection."""
 _MEMORY = st.components.v2.component(
     "nvcore_tab", js=read_script(Path(__file__).with_name("restore.js"))
 )
@@ -40,7 +40,7 @@ _THEME = st.components.v2.component("nvcore_theme", js=read_script(SCRIPTS / "th
 
 
 def draw_memory() -> None:
-    """The invisible parts that remember what was open, and look after the history."""
+    """Draw the invisible components that remember the workspace and manage the history."""
     _MEMORY(
         key=KEY,
         on_claim_change=_claim,
@@ -58,7 +58,7 @@ def _claim() -> None:
 
 
 def claim(token: object) -> None:
-    """Go on with the workspace of that token; where another page has it, later claims try again."""
+    """Take over the workspace of that token. If another page uses it, later claims try again."""
     n_claims = store.TAB_CLAIMS.get() + 1
     store.TAB_CLAIMS.set(n_claims)
     store.TAB_IS_SETTLED.set(
@@ -67,9 +67,9 @@ def claim(token: object) -> None:
 
 
 def follow_history() -> None:
-    """Go to the frame of the address that Back or Forward led to, if one of them did.
+    """Go to the frame in the address if the browser's Back or Forward led to it.
 
-    Parameters stay as they are, and a recording that is no longer open is passed over.
+    Parameters stay as they are, and a recording that is no longer open is ignored.
     """
     if not was_led_by_history():
         return
@@ -83,10 +83,10 @@ def follow_history() -> None:
 
 
 def draw_window() -> None:
-    """The invisible parts that fold the settings away where it is narrow, and watch the theme."""
+    """Draw the invisible components that fold the sidebar in narrow windows and watch the theme."""
     _NARROW(key="narrow", height=1)
     _THEME(key="theme", height=1, on_ground_change=_draw_anew)
 
 
 def _draw_anew() -> None:
-    """Nothing more: the run that follows draws in the theme of the browser."""
+    """Do nothing. The run that follows draws in the browser's theme."""
