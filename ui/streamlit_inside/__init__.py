@@ -1,12 +1,11 @@
-"""What is known of Streamlit's insides: no other room imports them.
+"""All dependencies on Streamlit's internals. No other package imports them.
 
-Each trick has a test in ``tests/ui/streamlit_inside``, which fails where a later Streamlit changes
-that place. The versions that all of it holds for stand in ``pyproject.toml``. The scripts act on
-Streamlit's page:
+Each one has a test in ``tests/ui/streamlit_inside`` that fails if a later Streamlit changes the
+internals. ``pyproject.toml`` has the supported versions. The scripts act on Streamlit's page:
 
     history.js   wraps ``history.pushState``, which Streamlit calls for each change of the address
-    narrow.js    presses Streamlit's button that folds the sidebar, takes back what it then stores
-    theme.js     watches the element whose ground Streamlit changes with the theme
+    narrow.js    presses Streamlit's button that folds the sidebar, and undoes what it then stores
+    theme.js     watches the element whose background Streamlit changes with the theme
 """
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Streamlit's log-in: how it is set up, where it begins, and the cookie it leaves."""
+"""Access to Streamlit's log-in: its configuration, addresses and cookie."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ LOG_OUT: Final = "/auth/logout"
 CALLBACK: Final = "/oauth2callback"
 
 has_authlib = is_authlib_installed
-"""Whether Authlib is there and new enough for Streamlit."""
+"""Whether Authlib is installed in a version that Streamlit supports."""
 address_of = generate_login_redirect_url
-"""Where the log-in with the provider of this name begins."""
+"""Return the address where the log-in with a provider begins, by the provider's name."""
 
 
 def section_of_secrets() -> Mapping[str, Any] | None:
-    """``[auth]`` of ``secrets.toml``; None: there is none."""
+    """Return the section ``[auth]`` of ``secrets.toml``, or None."""
     section = get_secrets_auth_section()
     return section.to_dict() if section else None
 
 
 def signed_user(cookies: Mapping[str, str], secret: str, *, hours: float) -> bytes | None:
-    """What the cookie says of the browser's user; None: nobody has logged in since so long ago."""
+    """Return the signed user data in the cookies, or None if invalid or older than `hours`."""
     return get_cookie_with_chunks(partial(_decoded, cookies, secret, hours), USER_COOKIE_NAME)
 
 
@@ -49,7 +49,7 @@ def _decoded(cookies: Mapping[str, str], secret: str, hours: float, name: str) -
 
 
 def reload_message() -> bytes:
-    """What makes a browser load the page anew, sent over its WebSocket."""
+    """Return a WebSocket message that makes a browser reload the page."""
     message = ForwardMsg()
     message.auth_redirect.url = ""  # the current address
     return bytes(message.SerializeToString())

@@ -1,4 +1,4 @@
-"""Streamlit's server: what it answers where, whom it answers, and the page that it sends."""
+"""Access to Streamlit's server: its addresses, allowed hosts and origins, and its page."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ PAGE_END: Final = "</body>"
 is_allowed_host = is_host_allowed
 """Whether ``server.allowedHosts`` names this host, if it names any."""
 allowed_origins = allowlisted_origins
-"""Those of ``server.corsAllowedOrigins``."""
+"""Return the origins in ``server.corsAllowedOrigins``."""
 parse_subprotocols = _parse_subprotocols
-"""The subprotocol that a WebSocket asks for, its token, and the session that it resumes, if any."""
+"""Return a WebSocket's requested subprotocol, its token, and the session to resume, if any."""
 
 
 def inline_scripts() -> list[str]:
-    """The scripts within the page."""
+    """Return the inline scripts of Streamlit's page."""
     page = (STATIC / "index.html").read_text(encoding="utf-8")
     return re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
 
 
 def page_with(styles: str) -> str:
-    """The page with styles of ours: after Streamlit's own in its head, so that ours win."""
+    """Return Streamlit's page with our styles at its end, so that ours override Streamlit's."""
     page = (STATIC / "index.html").read_text(encoding="utf-8")
     return page.replace(PAGE_END, styles + PAGE_END)
