@@ -11,9 +11,9 @@ from typing import Any, Final
 from uvicorn.protocols.http.auto import AutoHTTPProtocol
 
 HEADERS_S: Final = 20.0
-"""Time a connection has to send its request headers; uvicorn alone waits forever."""
+"""Time limit for sending the request headers. uvicorn itself waits forever."""
 MAX_FILES: Final = 65536
-"""Open files: more connections than one client has ports."""
+"""Wanted limit of open files, more than the ports that a single client has."""
 
 
 @cache
@@ -30,8 +30,8 @@ def guard_connections() -> None:
 def time_headers(protocol: type[Any], seconds: float = HEADERS_S) -> None:
     """Abort connections that take longer than `seconds` to send their request headers.
 
-    Patches the class in place: Streamlit builds uvicorn's configuration itself and leaves no way
-    to name a subclass.
+    This patches the class in place, because Streamlit builds uvicorn's configuration itself and
+    does not accept a subclass.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def time_headers(protocol: type[Any], seconds: float = HEADERS_S) -> None:
     def watch(connection: Any) -> None:
         cycle, timer = connection.cycle, getattr(connection, "headers_timer", None)
         is_asked = cycle is not None and not cycle.response_complete
-        is_other = connection.transport.get_protocol() is not connection  # a WebSocket by now
+        is_other = connection.transport.get_protocol() is not connection  # upgraded to a WebSocket
         if timer is not None and (is_asked or is_other):
             timer.cancel()
             connection.headers_timer = None

@@ -1,8 +1,8 @@
-"""Checks every request first: it must come from our own pages and from someone who has logged in.
+"""First check of every request: it must come from our own pages and from a logged-in person.
 
-Without a log-in only the way to the provider and back is open. Pages answer with a log-in button,
-everything else with 401. A WebSocket is told to reload the page, at once if the log-in ends while
-it is open.
+Without a log-in only the addresses of the log-in itself are open. Pages answer with a log-in
+button, everything else with 401. A WebSocket is told to reload the page, immediately if the log-in
+ends while it is open.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ POLICY_VIOLATION: Final = 1008
 
 
 class OwnPages:
-    """Refuses requests for other hosts, and requests sent by other sites' pages."""
+    """Middleware that refuses requests for other hosts or from other sites' pages."""
 
     def __init__(self, app: ASGIApp):
         self.app, self._health = app, f"{base_path()}{server.HEALTH}"
@@ -77,7 +77,7 @@ def _foreign_refusal(host: str | None) -> tuple[HTTPStatus, str]:
 
 
 class Gate:
-    """Admits only people who have logged in, if a log-in is configured."""
+    """Middleware that admits only people who have logged in, if a log-in is configured."""
 
     def __init__(self, app: ASGIApp):
         self.app, self._login, self._base = app, login(), base_path()
@@ -107,7 +107,7 @@ class Gate:
         await (answer or self.app)(scope, receive, send)
 
     def _answer(self, scope: Scope, person: Person | None, settings: Login) -> Response | None:
-        """The gate's own answer; None: let the app answer."""
+        """Return the gate's own answer, or None to let the app answer."""
         connection, path = HTTPConnection(scope), str(scope["path"])
         if path == f"{self._base}{LOG_IN}":
             return self._redirect_to_provider(connection, settings)
@@ -177,7 +177,7 @@ class Gate:
             nonlocal is_logged_out
             message = await receive()
             if message["type"] == "websocket.receive" and key_of(cookies) is None:
-                is_logged_out = True  # first: the app may be sending
+                is_logged_out = True  # first, since the app may be sending
                 await _reload_page(send)
                 return {"type": "websocket.disconnect", "code": POLICY_VIOLATION}
             return message
@@ -207,7 +207,7 @@ async def _refuse(receive: Receive, send: Send) -> None:
 
 
 def _with_private_cookies(send: Send, settings: Login) -> Send:
-    """Mark cookies as secure if we serve over TLS, and keep caches apart by cookie."""
+    """Mark cookies as secure if the app is served over TLS, and make caches vary by cookie."""
 
     async def send_private(message: Message) -> None:
         if message["type"] == "http.response.start":

@@ -13,14 +13,15 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from ui.streamlit_inside.server import inline_scripts
 
 FRAMED_BY: Final = "NVCORE_FRAME_ANCESTORS"
-"""Sites that may embed the app, as in a content security policy; default: itself."""
+"""Environment variable with the sites that may embed the app, in the syntax of a content security
+policy. Default: only the app itself."""
 
 
 def content_policy(framed_by: str = "'self'") -> str:
-    """The content security policy.
+    """Return the content security policy.
 
     Scripts and data come from the app only. Inline styles are allowed because Streamlit and Plotly
-    write them; blobs, because the viewer's script and the colour maps are blobs.
+    write them. Blobs are allowed for the viewer's script and the colour maps.
     """
     digests = (hashlib.sha256(script.encode()).digest() for script in inline_scripts())
     hashes = " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests)
@@ -42,7 +43,7 @@ def content_policy(framed_by: str = "'self'") -> str:
 
 
 class SecureHeaders:
-    """Adds the security headers that an answer does not set itself."""
+    """Middleware that adds security headers, unless an answer sets them itself."""
 
     def __init__(self, app: ASGIApp):
         self.app = app

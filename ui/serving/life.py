@@ -1,7 +1,7 @@
-"""Startup and shutdown of the server: what it checks, computes and deletes beside its visitors.
+"""Startup and shutdown of the server, and its work in the background.
 
-A configuration that cannot work stops the start: otherwise visitors would be the first to find out.
-What the first of them would otherwise wait for is computed meanwhile.
+An invalid configuration stops the start, before any visitor can run into it. The results that the
+first visitor needs are computed in the background.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from ui.subjects import contributed
 
 _shutdown = threading.Event()
 EVERY_S: Final = 3600.0
-"""Often enough that a study is deleted on the day it ends."""
+"""Interval of deletions, short enough to delete a study on the day it ends."""
 _LOG = logging.getLogger("nvcore.ui")
 
 
@@ -76,7 +76,7 @@ async def lifespan(_app: Any) -> AsyncIterator[None]:
     lifetime.close_sessions_on(asyncio.get_running_loop())
     watch_for_shutdown()
     guard_connections()
-    # early visitors wait for whatever is not ready yet
+    # early visitors wait for results that are not ready yet
     threading.Thread(target=_prepare, name="prepare", daemon=True).start()
     deleting = asyncio.create_task(keep_deleting_ended())
     try:
@@ -131,7 +131,7 @@ def _prepare() -> None:
 
 
 def prepare_start() -> None:
-    """Compare and audit what every visitor starts with, which also compiles the kernels."""
+    """Compare and audit the start data, which also compiles the kernels."""
     shared = shared_start()
     shared.new_pictures()
     opened, cached = shared.opened, shared.cached

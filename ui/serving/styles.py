@@ -1,6 +1,6 @@
-"""Streamlit's page with the app's styles in it, so that nothing is ever drawn unstyled.
+"""Streamlit's page with the app's styles, so that nothing is ever drawn unstyled.
 
-Written by the app they would arrive after the first tiles, which would then jump.
+Styles drawn by the app itself would arrive after the first tiles, which would then jump.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ CONDITIONS: Final = (b"if-none-match", b"if-modified-since")
 
 
 def styles() -> str:
-    """The app's style sheets in a ``<style>`` element."""
+    """Return the app's style sheets in a ``<style>`` element."""
     sheets = (ROOT / "ui" / "assets" / f"{name}.css" for name in SHEETS)
     return f"<style>\n{''.join(sheet.read_text(encoding='utf-8') for sheet in sheets)}</style>\n"
 
@@ -31,7 +31,7 @@ def styles() -> str:
 class StyledPages:
     """Sends the styled page in place of Streamlit's, with status 404 at unknown addresses.
 
-    Streamlit answers those with its page and status 200.
+    Streamlit alone would answer with status 200.
 
     Parameters
     ----------

@@ -30,29 +30,30 @@ from ui.streamlit_inside.server import METRICS, STREAM, UPLOAD
 from ui.streamlit_inside.sessions import held_bytes, run_again
 
 METRICS_TOKEN: Final = "NVCORE_METRICS_TOKEN"  # noqa: S105  # its name
-"""Token that grants access to the metrics (``Authorization: Bearer``); unset: nobody may."""
+"""Environment variable with the token for the metrics (``Authorization: Bearer``). If it is unset,
+nobody may read them."""
 IDLE_S: Final = 60.0
-"""How long an upload may stay silent."""
+"""Longest pause of an upload."""
 MIN_BYTES_PER_S: Final = 10_000
-"""Least average rate of an upload, beyond `IDLE_S`: it takes up room while it lasts."""
+"""Lowest average rate of an upload after `IDLE_S`, because a pending upload reserves memory."""
 POLL_S: Final = 0.5
 """Poll interval of a waiting upload for the server's shutdown."""
 TRY_AGAIN_LATER: Final = 1013
 """Close code of a WebSocket."""
 NETWORK_BITS: Final = 64
-"""Leading bits of an IPv6 address that identify a client: it owns all addresses below them."""
+"""Leading bits of an IPv6 address that identify a client, which has all addresses with them."""
 _LOG = logging.getLogger("nvcore.ui")
 
 
 class VisitorLimits:
-    """Counts open connections and bytes being uploaded, and refuses what exceeds the limits.
+    """Middleware that limits open connections and the bytes being uploaded.
 
-    Behind a trusted proxy, a visitor's address is the one the proxy reports: uvicorn trusts this
-    machine and ``FORWARDED_ALLOW_IPS``.
+    Behind a trusted proxy, a visitor's address is the one that the proxy reports. uvicorn trusts
+    this machine and ``FORWARDED_ALLOW_IPS``.
     """
 
     def __init__(self, app: ASGIApp, limits: Limits, system: Path = Path("/")):
-        """See `Limits.uploads_bytes` for `system`."""
+        """Wrap `app` (see `Limits.uploads_bytes` for `system`)."""
         self.app, self.limits, self.system = app, limits, system
         self._n_visitors = 0
         self._of_address: Counter[str] = Counter()
@@ -95,7 +96,7 @@ class VisitorLimits:
                 del self._of_address[address]
 
     def _why_full(self, scope: Scope) -> str:
-        """Why there is no room for another tab; empty: there is."""
+        """Return why no further tab is accepted, or "" if it is."""
         most, most_of_address = self.limits.max_visitors, self.limits.max_visitors_of_address
         if self._n_visitors >= most:
             return f"This server allows {most} visitors at a time. Try again later."
@@ -136,7 +137,7 @@ class VisitorLimits:
                 del self._pending_bytes[session]
 
     def _why_too_large(self, session: str, n_bytes: int) -> str:
-        """Why so many bytes more are not taken; empty: they are."""
+        """Return why another `n_bytes` are not accepted, or "" if they are."""
         limits, held = self.limits, held_bytes()
         of_session = held_bytes(session) + self._pending_bytes[session] + n_bytes
         if of_session > limits.max_upload_mb * MEBI:
@@ -153,7 +154,7 @@ class VisitorLimits:
         return ""
 
     def _refusal(self, path: str, scope: Scope) -> Response | None:
-        """The answer that refuses a request; None: the app may answer."""
+        """Return the answer that refuses a request, or None to let the app answer."""
         if path.endswith(METRICS) and not _may_read_metrics(Headers(scope=scope)):
             return text_answer(HTTPStatus.NOT_FOUND, "not found")
         if "text/html" in Headers(scope=scope).get("accept", "") and (why := self._why_full(scope)):
@@ -162,7 +163,7 @@ class VisitorLimits:
 
 
 def _address(scope: Scope) -> str:
-    """The part of a client's IP address that identifies it; empty: this machine, or unknown."""
+    """Return the identifying part of a client's IP address ("": this machine, or unknown)."""
     try:
         address = ip_address((scope.get("client") or [""])[0])
     except ValueError:  # a proxy reports something else
@@ -177,7 +178,7 @@ def _address(scope: Scope) -> str:
 
 
 def _with_timeout(receive: Receive) -> Receive:
-    """Pass messages on, but treat silent or too slow clients as gone, and all at shutdown."""
+    """Treat silent or slow senders as disconnected, and all senders at shutdown."""
     begin, n_bytes, is_whole = time.monotonic(), 0, False
 
     async def receive_in_time() -> Message:
