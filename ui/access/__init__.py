@@ -1,1 +1,1 @@
-"""Who may open the app: log-in by OpenID Connect where it is set up, own hosts and origins."""
+"""Access control: optional log-in by OpenID Connect, own hosts and origins, local files."""

@@ -1,6 +1,6 @@
 """Access rules for the server's files, and names of files from a browser.
 
-The server's own files are out of reach but for those below one folder, if it is named: by
+Visitors cannot reach the server's own files, except those below one optional folder, given by
 ``nvcore app --local-root DIR`` (``streamlit run app.py -- --local-root DIR``) or
 ``NVCORE_LOCAL_ROOT=DIR``.
 """
@@ -29,13 +29,13 @@ from ui.settings.start import argument
 ENVIRONMENT: Final = "NVCORE_LOCAL_ROOT"
 FLAG: Final = "--local-root"
 MOST_ENTRIES: Final = 2000
-"""Entries of one folder that are listed."""
+"""Largest number of entries listed of a folder."""
 MAX_NAME_BYTES: Final = 120
 _UNSAFE = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f]')
 
 
 def safe_name(name: str, *, keep: str = "") -> str:
-    """Base name without characters that mean something to a file system.
+    """Return the base name without characters that are special to a file system.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def safe_name(name: str, *, keep: str = "") -> str:
 
 
 def free_name(name: str, names_in_use: Iterable[str]) -> str:
-    """The name, or the name with the first free number: ``gt.txt.gz``, ``gt-2.txt.gz``."""
+    """Return the name, with the first free number if it is taken: ``gt-2.txt.gz``."""
     in_use = {other.casefold() for other in names_in_use}
     stem = PurePosixPath(unpacked_name(name)).stem
     suffix = name[len(stem) :]
@@ -81,7 +81,7 @@ class LocalRoot:
     """Folder that may be browsed. Nothing outside it is listed or read, even through links."""
 
     def __init__(self, folder: Path):
-        """Take the folder.
+        """Open a folder for browsing.
 
         Raises
         ------
@@ -98,7 +98,7 @@ class LocalRoot:
         Raises
         ------
         InputError
-            If it leaves the root, or leads nowhere.
+            If it leaves the root, or does not exist.
         """
         text = path.replace("\0", "")
         target = Path(os.path.realpath(self.folder / text.lstrip("/")))
@@ -108,12 +108,12 @@ class LocalRoot:
         return target
 
     def entries(self, path: str = "") -> list[Entry]:
-        """Entries of a folder below the root, folders first, without hidden ones.
+        """Return the entries of a folder below the root, folders first, without hidden ones.
 
         Raises
         ------
         InputError
-            If there is no such folder, or it may not be looked into.
+            If there is no such folder, or it cannot be read.
         """
         folder = self.find(path)
         try:
@@ -130,12 +130,12 @@ class LocalRoot:
         return sorted(listed, key=lambda entry: not entry.is_folder)
 
     def walk(self, most: int) -> Iterator[tuple[str, list[str]]]:
-        """Yield at most so many folders, nearest first, each with the paths of its files.
+        """Yield at most `most` folders, nearest first, each with the paths of its files.
 
-        Folders that may not be looked into are skipped.
+        Folders that cannot be read are skipped.
         """
         folders = [""]
-        for folder in islice(folders, most):  # grows meanwhile
+        for folder in islice(folders, most):  # the list grows in the loop
             try:
                 entries = self.entries(folder)
             except InputError:
@@ -171,7 +171,7 @@ def check_confined(session: Session, root: Path) -> None:
                 is_below(session.folder / name, root) for name in matching(text, session.folder)
             )
             if is_inside and start == path.parent and start.is_dir():
-                # of pictures, also what matches with its accents as they are stored
+                # pictures also match with accents composed differently
                 is_inside = all(
                     is_below(file, root)
                     for file in start.iterdir()

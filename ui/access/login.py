@@ -1,9 +1,9 @@
-"""How visitors log in, as the operator sets it up; nobody has to where it is not.
+"""Configuration of the visitors' log-in, which is optional.
 
 The section ``[auth]`` of a TOML file has the keys of Streamlit's ``st.login``, and two of our own,
-``allow`` and ``hours`` (docs/hosting.md). The file is the one that ``nvcore app --login FILE`` or
-`VARIABLE` names, else Streamlit's own ``secrets.toml``. What is wrong with it ends the start: a
-server never opens without the log-in that was asked for.
+``allow`` and ``hours`` (docs/hosting.md). The file is given by ``nvcore app --login FILE`` or
+`VARIABLE`, or else is Streamlit's own ``secrets.toml``. An error in it stops the start, so that a
+server never runs without the requested log-in.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ FLAG: Final = "--login"
 VARIABLE: Final = "NVCORE_LOGIN"
 HOURS: Final = 12.0
 MAX_HOURS: Final = 24.0 * 30
-"""As long as Streamlit's cookie."""
+"""Lifetime of Streamlit's cookie."""
 SECRET_CHARACTERS: Final = 32
 DEFAULT: Final = "default"
-"""Streamlit's name of the provider whose keys stand in ``[auth]`` itself."""
+"""Streamlit's name of the provider whose keys are in ``[auth]`` itself."""
 PROVIDER_KEYS: Final = ("client_id", "client_secret", "server_metadata_url")
 LOCAL: Final = ("localhost", "127.0.0.1", "::1")
 
@@ -40,22 +40,22 @@ _LOG = logging.getLogger("nvcore.ui")
 
 @dataclass(frozen=True)
 class Login:
-    """How visitors log in.
+    """Settings of the log-in.
 
     Attributes
     ----------
     section
-        All of ``[auth]``, for Streamlit.
+        The whole section ``[auth]``, for Streamlit.
     providers
         Names of the providers to choose from.
     cookie_secret
-        Signs the cookie that says who a browser's user is.
+        Secret that signs the cookie with the user's identity.
     redirect_uri
-        Where the provider sends the browser to, as the browser sees it.
+        Address to which the provider sends the browser back, as the browser sees it.
     allow
-        E-mail addresses and domains, in lower case; None: everybody whom the provider knows.
+        E-mail addresses and domains to admit, in lower case. None: everybody with an account.
     hours
-        How long a log-in lasts.
+        Duration of a log-in.
     """
 
     section: Mapping[str, Any]
@@ -67,17 +67,17 @@ class Login:
 
     @property
     def origin(self) -> str:
-        """Of the app, as the browser sees it."""
+        """Origin of the app, as the browser sees it."""
         parts = urlsplit(self.redirect_uri)
         return f"{parts.scheme}://{parts.netloc}"
 
     @property
     def is_secure(self) -> bool:
-        """Whether cookies may be kept to TLS."""
+        """Whether the app is served over TLS, so that cookies can be marked as secure."""
         return self.redirect_uri.startswith("https://")
 
     def admits(self, email: str) -> bool:
-        """Whether somebody of this e-mail address, verified by the provider, may enter."""
+        """Whether a person with this e-mail address, verified by the provider, may enter."""
         if self.allow is None:
             return True
         name, _, domain = email.lower().rpartition("@")
@@ -88,12 +88,12 @@ class Login:
 
 @cache
 def login() -> Login | None:
-    """How visitors log in, read once; None: nobody has to.
+    """Return the log-in settings, read once, or None if nobody has to log in.
 
     Raises
     ------
     InputError
-        If it is set up in a way that cannot work.
+        If the settings are invalid.
     MissingExtraError
         If the packages for it are missing.
     """
@@ -113,19 +113,19 @@ def login() -> Login | None:
 
 
 def read_login(section: Mapping[str, Any], *, file: str, base: str = "") -> Login:
-    """Check ``[auth]``.
+    """Validate the section ``[auth]`` and return its settings.
 
     Parameters
     ----------
     file
-        Where it stands, for errors.
+        File of the section, for errors.
     base
-        Path that the app is served below, with the slash before it.
+        Path below which the app is served, with a leading slash.
 
     Raises
     ------
     InputError
-        If it cannot work.
+        If a setting is invalid.
     """
     wrong = _Wrong(file)
     redirect_uri = wrong.text(section, "redirect_uri").replace(
@@ -191,7 +191,7 @@ def _allowed(given: Any, wrong: _Wrong) -> frozenset[str] | None:
 
 
 class _Wrong:
-    """Errors in one file."""
+    """Factory of errors about one file."""
 
     def __init__(self, file: str) -> None:
         self._file = file
@@ -207,12 +207,12 @@ class _Wrong:
 
 
 def section_of(path: Path) -> Mapping[str, Any]:
-    """``[auth]`` of a TOML file.
+    """Read the section ``[auth]`` of a TOML file.
 
     Raises
     ------
     InputError
-        If it cannot be read, is not TOML, or has none.
+        If the file cannot be read, is not TOML, or has no such section.
     """
     section = _read(path).get("auth")
     if not isinstance(section, dict):
@@ -223,7 +223,7 @@ def section_of(path: Path) -> Mapping[str, Any]:
 def _section_of_secrets() -> Mapping[str, Any] | None:
     for name in st.get_option("secrets.files"):
         if Path(name).is_file():
-            _read(Path(name))  # Streamlit takes one that it cannot read for none
+            _read(Path(name))  # Streamlit ignores a file that it cannot read
     return section_of_secrets()
 
 

@@ -1,8 +1,9 @@
-"""Whose pages may talk to the server: those that it sent, under a name that is its own.
+"""Host and origin checks, which restrict the server to requests from its own pages.
 
-A page of another site could otherwise give its own name to this server's address (DNS rebinding),
-and read all that a visitor has open. An attacker needs a name of the internet for that: numbers,
-names without a dot and those of the machine itself are fine, any other the operator has to allow.
+Another site could otherwise point its own host name to this server's address (DNS rebinding), and
+read everything that a visitor has open. An attacker needs an internet host name for that. So IP
+addresses, names without a dot and the machine's own names are accepted, and the operator has to
+allow any other name.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from ui.streamlit_inside.server import allowed_origins, is_allowed_host
 
 
 def is_own_host(host: str | None) -> bool:
-    """Whether a request to this host, as its header says, is meant for this server."""
+    """Whether the host in a request's header is one of this server's own."""
     if st.get_option("server.allowedHosts"):
         return is_allowed_host(host)
     name = _hostname(host)
@@ -29,10 +30,10 @@ def is_own_host(host: str | None) -> bool:
 
 
 def is_own_origin(origin: str | None, host: str | None) -> bool:
-    """Whether a request comes from this server's own page, or no browser says where from.
+    """Whether a request comes from this server's own pages, or has no origin.
 
-    The origin is the host that was asked, or one of ``server.corsAllowedOrigins``, where a proxy
-    gives another host on.
+    The origin must equal the requested host, or be one of ``server.corsAllowedOrigins`` if a proxy
+    replaces the host.
     """
     if not is_own_host(host):
         return False
@@ -64,7 +65,7 @@ def _is_number(name: str) -> bool:
 
 @cache
 def own_names() -> frozenset[str]:
-    """Names of this server; the first call asks the network, which may take seconds."""
+    """Return the host names of this server. The first call may take seconds (DNS)."""
     settings = login()
     addresses = [*allowed_origins(), *([] if settings is None else [settings.origin])]
     names = [urlsplit(address).hostname for address in addresses]

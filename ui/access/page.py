@@ -1,4 +1,4 @@
-"""The page before the log-in: the product's name and a button, nothing of what the app shows."""
+"""Page before the log-in, with the product's name and a button but no content of the app."""
 
 from __future__ import annotations
 
@@ -46,16 +46,16 @@ a:focus-visible { outline: 3px solid light-dark(#10161C, #E6EAF0); outline-offse
 
 
 def log_in_page(providers: Sequence[str], *, base: str, wanted: str) -> str:
-    """Asks to log in.
+    """Return the HTML page that asks to log in.
 
     Parameters
     ----------
     providers
-        Where one can log in.
+        Names of the providers to choose from.
     base
-        Path that the app is served below, with the slash before it.
+        Path below which the app is served, with a leading slash.
     wanted
-        Address that was asked for: where one gets to afterwards.
+        Requested address, to open after the log-in.
     """
     links = {}
     for name in providers:
@@ -66,7 +66,7 @@ def log_in_page(providers: Sequence[str], *, base: str, wanted: str) -> str:
 
 
 def refusal_page(email: str, *, base: str) -> str:
-    """Says that this person may not enter, and offers to be somebody else."""
+    """Return the HTML page that refuses a person and offers to log in as somebody else."""
     text = (
         f"{email} is not on the list of those who may open this server. Ask whoever runs it."
         if email
@@ -83,7 +83,7 @@ def _page(text: str, links: dict[str, str]) -> str:
 
 
 def is_own_address(address: str, base: str) -> bool:
-    r"""Whether a browser that is sent there, without a host, stays within the app.
+    r"""Whether a redirect to this address without a host stays within the app.
 
     Examples
     --------

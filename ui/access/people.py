@@ -1,7 +1,7 @@
-"""Who a browser's user is: what the cookie says that Streamlit signed after the log-in.
+"""Identity of a browser's user, from the cookie that Streamlit signed after the log-in.
 
-Streamlit checks the cookie once, when a session begins. Here it is checked with each request and
-each message: its signature, its age, that it is for this address, that its user did not log out,
+Streamlit checks the cookie only when a session begins. This module checks it with each request and
+each message: its signature, its age, that it is for this address, that its user has not logged out,
 and that the user may enter at all.
 """
 
@@ -23,23 +23,23 @@ from ui.access.login import Login, login
 from ui.streamlit_inside.login import signed_user
 
 NOBODY: Final = ""
-"""Who everybody is where there is no log-in."""
+"""Key of everybody if no log-in is configured."""
 
 
 @dataclass(frozen=True)
 class Person:
-    """Somebody who has logged in.
+    """Person who has logged in.
 
     Attributes
     ----------
     key
-        Stands for provider, issuer and subject: the same for all log-ins of a person.
+        Hash of provider, issuer and subject, the same for all log-ins of a person.
     log_in
-        Stands for this log-in.
+        Hash that identifies this log-in.
     email
-        Verified by the provider; empty: there is none.
+        E-mail address verified by the provider. Empty if there is none.
     may_enter
-        Whether the operator lets this person in.
+        True if the operator admits this person.
     """
 
     key: str
@@ -49,12 +49,12 @@ class Person:
 
 
 _ended: dict[str, float] = {}
-"""Log-ins whose users have logged out, with the time: a copy of their cookie is worth nothing."""
+"""Time of logging out by log-in. Copies of the cookies of these log-ins are refused."""
 _lock = threading.Lock()
 
 
 def person_of(cookies: Mapping[str, str], settings: Login) -> Person | None:
-    """Who has logged in with the browser that has these cookies; None: nobody."""
+    """Return the person who has logged in with these cookies, or None."""
     signed = signed_user(cookies, settings.cookie_secret, hours=settings.hours)
     if signed is None:
         return None
@@ -81,9 +81,9 @@ def person_of(cookies: Mapping[str, str], settings: Login) -> Person | None:
 
 
 def key_of(cookies: Mapping[str, str]) -> str | None:
-    """Key of the person who may enter with these cookies; None: nobody may.
+    """Return the key of the person who may enter with these cookies, or None.
 
-    Where there is no log-in, everybody may, as `NOBODY`.
+    If no log-in is configured, everybody may enter, as `NOBODY`.
     """
     settings = login()
     if settings is None:
@@ -93,12 +93,12 @@ def key_of(cookies: Mapping[str, str]) -> str | None:
 
 
 def owner_of_session() -> str:
-    """Key of the person of the running session.
+    """Return the key of the running session's person.
 
     Raises
     ------
     NvcoreError
-        If nobody has logged in: the gate lets no session begin without.
+        If nobody has logged in, although the gate lets no session begin without a log-in.
     """
     if login() is None:
         return NOBODY
@@ -109,19 +109,19 @@ def owner_of_session() -> str:
 
 
 def is_same(owner: str, key: str | None) -> bool:
-    """Whether somebody of this key is the owner; takes as long whatever the keys are."""
+    """Whether the key is the owner's, compared in constant time."""
     return key is not None and secrets.compare_digest(owner.encode(), key.encode())
 
 
 def end_log_in(cookies: Mapping[str, str]) -> None:
-    """From now on nobody gets in with these cookies."""
+    """End the log-in with these cookies, and refuse copies of them."""
     settings = login()
     person = None if settings is None else person_of(cookies, settings)
     if settings is None or person is None:
         return
     now = time.time()
     with _lock:
-        for log_in, ended in list(_ended.items()):  # the oldest first
+        for log_in, ended in list(_ended.items()):  # oldest first
             if now - ended < 3600 * settings.hours:
                 break
             del _ended[log_in]
