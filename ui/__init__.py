@@ -1,1 +1,1 @@
-"""The dashboard: everything but the pages that imports streamlit."""
+"""The dashboard: all code that imports streamlit, except the pages."""

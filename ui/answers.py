@@ -1,4 +1,4 @@
-"""Answers of the server itself, in place of the app's pages."""
+"""HTTP answers of the server itself, in place of the app's pages."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Final
 from starlette.responses import PlainTextResponse, Response
 
 PRIVATE: Final = {"Cache-Control": "no-store"}
-"""Headers of an answer that no cache keeps."""
+"""Headers of an answer that caches must not store."""
 
 
 def text_answer(status: int, text: str, headers: Mapping[str, str] = PRIVATE) -> Response:
-    """A sentence; kept by no cache unless the headers say otherwise."""
+    """Return a plain-text answer. By default its headers forbid caching."""
     return PlainTextResponse(text, status, headers)

@@ -24,8 +24,8 @@ from ui.shell.pages import all_pages, draw_bar, draw_questions, draw_tabs, page_
 from ui.subjects import contributed
 from ui.widgets.text import plain
 
-# pages with more in their address, which they write themselves or leave as it is
-# (a comment, since Streamlit would print a docstring here on every page)
+# pages with more entries in their address, which they write themselves or leave as they are
+# (a comment, because Streamlit would print a docstring here on every page)
 WRITE_ADDRESS = ("encounters", "metrics")
 
 st.set_page_config(
@@ -74,7 +74,7 @@ try:
     page.run()
     if not is_participant():
         draw_questions(pages, here)
-    store.PAGE_LINK.pop()  # it was for this page
+    store.PAGE_LINK.pop()  # it was only for this page
 except Exception as error:  # noqa: BLE001  # draw the sidebar, or its widgets lose their values
     error_banner(error)
     failure = error

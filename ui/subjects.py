@@ -52,7 +52,7 @@ class Page:
         Returns settings that have no effect on the page as it is, besides those that `shown` makes
         quiet.
     is_folded
-        True if the settings are folded away although they affect what it shows.
+        True if the settings are folded away although they affect the page.
     script
         Path of its script if it is not ``pages/<key>.py``.
     """
@@ -73,7 +73,7 @@ class Page:
     asks: str = ""
 
     def stages(self) -> tuple[Stage, ...]:
-        """Return the stages whose results it shows of what is open."""
+        """Return the stages whose results the page shows for the open comparison."""
         if self.lacks():
             return ()
         return shown_results() if self.shown is None else self.shown
@@ -90,7 +90,7 @@ class Document:
 
 @dataclass(frozen=True)
 class MadeFile:
-    """File that the app made from the open comparison and that exported sessions refer to."""
+    """File that the app made from the open comparison, for exported sessions to refer to."""
 
     path: Path
     meaning: str
