@@ -1,1 +1,1 @@
-"""What ``import nvcore as nv`` offers: a call for each thing that the command line does."""
+"""Public Python API (``import nvcore as nv``), with a call for each command of the command line."""

@@ -1,4 +1,4 @@
-"""The calls of Python users: compare, audit, gate, groups."""
+"""Functions for Python users: compare, audit, gate, groups."""
 
 from __future__ import annotations
 
@@ -28,8 +28,7 @@ from nvcore.report.gate.rules import read_rules
 def compare(dataset: Dataset) -> Comparison:
     """Compare two systems against the ground truth.
 
-    The thresholds, parameters, protocol and choice of X and Y are those of the session, unless
-    they are given here.
+    Thresholds, parameters, protocol and choice of X and Y default to those of the session.
 
     Raises
     ------
@@ -50,9 +49,9 @@ def compare(dataset: Dataset) -> Comparison:
 
 @called_with(load)
 def audit(dataset: Dataset) -> tuple[Finding, ...]:
-    """What is wrong or suspicious in the inputs and pictures, worst first; nothing is scored.
+    """Return errors and suspicious facts in the inputs and pictures, worst first.
 
-    One system is enough.
+    Nothing is scored, and one system is enough.
 
     Raises
     ------
@@ -71,24 +70,24 @@ def audit(dataset: Dataset) -> tuple[Finding, ...]:
 
 @dataclass(frozen=True)
 class GateOutcome:
-    """Whether a comparison passes its rules; true if all of them hold.
+    """Outcome of checking a comparison against rules. It is true if all rules hold.
 
     Attributes
     ----------
     outcomes
-        What became of each rule, the audit's included.
+        Outcome of each rule, including those of the audit.
     """
 
     outcomes: tuple[RuleOutcome, ...]
 
     @property
     def passed(self) -> tuple[RuleOutcome, ...]:
-        """The rules that hold."""
+        """Rules that hold."""
         return tuple(outcome for outcome in self.outcomes if outcome.is_passed)
 
     @property
     def failed(self) -> tuple[RuleOutcome, ...]:
-        """The rules that do not."""
+        """Rules that do not hold."""
         return tuple(outcome for outcome in self.outcomes if not outcome.is_passed)
 
     @property
@@ -104,20 +103,21 @@ class GateOutcome:
 
 
 def gate(result: Comparison, rules: Iterable[str], *, strict: bool = False) -> GateOutcome:
-    """Whether rules such as ``new_misses == 0`` hold, and the audit finds no errors.
+    """Check rules such as ``new_misses == 0``, and that the audit finds no errors.
 
     Parameters
     ----------
     rules
-        A measure, a comparison and a number each, as of ``nvcore gate``: with the release in use as
-        X and the candidate as Y, ``new_misses`` are the encounters that only the first detects.
+        A measure, a comparison operator and a number each, as in ``nvcore gate``. With the release
+        in use as X and the candidate as Y, ``new_misses`` counts the encounters that only the
+        release detects.
     strict
-        Whether warnings of the audit count as errors do.
+        True to count warnings of the audit as errors.
 
     Raises
     ------
     ParameterError
-        If a text is no rule, or there is no such measure.
+        If a rule cannot be parsed, or names an unknown measure.
 
     Examples
     --------
@@ -136,30 +136,30 @@ def gate(result: Comparison, rules: Iterable[str], *, strict: bool = False) -> G
 
 @called_with(GroupArguments)
 def groups(arguments: GroupArguments) -> GroupComparison:
-    """Compare groups of persons or drives: which conditions differ, by the test that fits.
+    """Test which conditions differ between groups of persons or drives, by the test that fits.
 
     Parameters
     ----------
     table
-        A CSV file or a table in memory: ``condition`` and ``value``, if known ``participant``; or
-        ``condition,n,mean,sd``. A table of drives has
+        CSV file or DataFrame with the columns ``condition``, ``value`` and optionally
+        ``participant``, or with ``condition,n,mean,sd``. A table of drives has
         ``participant,condition,duration_s,violations,kind``.
     rename
-        Other names of conditions; those of one name are compared as one, and one without a name is
-        left out: ``{"visual": "feedback", "audio": "feedback", "control": ""}``.
+        New names of conditions. Conditions of the same name are merged, and an empty name leaves a
+        condition out: ``{"visual": "feedback", "audio": "feedback", "control": ""}``.
 
     Returns
     -------
     GroupComparison
-        Its tables are ``groups``, ``tests``, ``pairs``, ``assumptions`` and ``sizes``;
-        ``sentences`` says what they come to, ``print`` shows all of it.
+        Its tables are ``groups``, ``tests``, ``pairs``, ``assumptions`` and ``sizes``.
+        ``sentences`` has the conclusions, and ``print`` shows everything.
 
     Raises
     ------
     InputError
-        If the table cannot be used; with file and line.
+        If the table cannot be used, with file and line.
     ParameterError
-        If a choice is impossible, or does not go with the table.
+        If a choice is invalid, or does not fit the table.
 
     Examples
     --------

@@ -77,7 +77,7 @@ class Comparison:
     result
         The library's result, with all arrays.
     dataset, params, x, y, venn, exclusivity, boxes, duration_s, lead_time_s, fusion
-        As of `nvcore.comparison.Result`.
+        See `nvcore.comparison.Result`.
     protocol
         Selection of the pedestrians that the detection measures count.
     frames
@@ -139,12 +139,12 @@ class Comparison:
         return self._evidence.copy()
 
     def verdict(self) -> tuple[str, ...]:
-        """Return the verdict as sentences, starting with what may be claimed."""
+        """Return the verdict as sentences, claims first."""
         return self._verdict.sentences
 
     @property
     def claims(self) -> tuple[Claim, ...]:
-        """Differences that the verdict calls significant, each with measure, winner and p-value."""
+        """Differences that the verdict finds significant, each with measure, winner and p-value."""
         return self._verdict.claims
 
     @method_with(PlanArguments)

@@ -1,4 +1,4 @@
-"""The figures of a comparison, each from the tables that it needs."""
+"""Figures of a comparison for Python users, each built from the tables that it needs."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Figures:
     def timeline(
         self, recording: Recording = 0, *, layout: figures.TimeLayout = "time"
     ) -> go.Figure:
-        """Similarity of X and Y over time, with low intervals and saliency events.
+        """Plot the similarity of X and Y over time, with low intervals and saliency events.
 
         Parameters
         ----------
@@ -83,55 +83,55 @@ class Figures:
         )
 
     def losses(self, recording: Recording = 0) -> go.Figure:
-        """Loss of each frame to misses and to false alarms, 0 is best."""
+        """Plot each frame's loss to misses and to false alarms (0 is best)."""
         return figures.loss_plot(self._result, self._row(recording), theme=self._theme)
 
     def loss_strip(self) -> go.Figure:
-        """Loss of the worse system over the time of every recording: where to look first."""
+        """Plot the worse system's loss over the time of every recording, to find where to look."""
         return figures.loss_strip_plot(self._result, loss_strip(self._result), theme=self._theme)
 
     def lanes(self, recording: Recording = 0) -> go.Figure:
-        """Frames in which X and Y match or miss each pedestrian of a recording."""
+        """Plot the frames in which X and Y match or miss each pedestrian of a recording."""
         return figures.lanes_figure(self._result, self._row(recording), theme=self._theme)
 
     def venn(self) -> go.Figure:
-        """Encounters by who detects them."""
+        """Plot the numbers of encounters that X, Y, both or neither detects."""
         return figures.venn_figure(self._result.venn, self._result.names, **self._worded)
 
     def miss_classes(self) -> go.Figure:
-        """Number of encounters that each system fails, by the way of failing."""
+        """Plot the number of encounters that each system fails, by kind of failure."""
         encounters = encounters_table(self._result)
         return figures.miss_classes_plot(encounters, self._result.names, **self._worded)
 
     def lead_time(self) -> go.Figure:
-        """Seconds by which X matches a pedestrian earlier than Y."""
+        """Plot the lead time of X over Y in first matching a pedestrian, in seconds."""
         return figures.lead_time_plot(encounters_table(self._result), **self._worded)
 
     def positions(self) -> go.Figure:
-        """Places in the picture where each system misses encounters."""
+        """Plot the places in the picture where each system misses encounters."""
         return figures.position_map(encounters_table(self._result), **self._worded)
 
     def fusion(self) -> go.Figure:
-        """Gain and cost of ``X or Y`` and ``X and Y``."""
+        """Plot gain and cost of the fusions ``X or Y`` and ``X and Y``."""
         return figures.fusion_plot(fusion_table(self._result), theme=self._theme)
 
     def recordings(self) -> go.Figure:
-        """Mean similarity of X and Y in every recording."""
+        """Plot the mean similarity of X and Y in every recording."""
         recordings = recordings_table(self._result)
         return figures.recordings_plot(recordings, self._result.names, theme=self._theme)
 
     def saliency(self) -> go.Figure:
-        """Saliency of X and Y in every recording, in seconds, 0 is best."""
+        """Plot the saliency of X and Y in every recording, in seconds (0 is best)."""
         recordings, names = recordings_table(self._result), self._result.names
         return figures.recordings_plot(recordings, names, theme=self._theme, measure="saliency")
 
     def weightings(self, encounter: int | None = None) -> go.Figure:
-        """Weight of one pedestrian over time, by height, by horizon and by distance.
+        """Plot the weight of one pedestrian over time, by height, by horizon and by distance.
 
         Parameters
         ----------
         encounter
-            Row of ``encounters``, counted from 0; None: the one whose failures weigh most.
+            Row of ``encounters``, counted from 0. None: the encounter with the costliest failures.
 
         Raises
         ------
@@ -147,17 +147,17 @@ class Figures:
         return figures.weightings_plot(self._result, encounter, weightings, theme=self._theme)
 
     def recency(self, recording: Recording | None = None) -> go.Figure:
-        """Recency curve with every event of one recording, or of all."""
+        """Plot the recency curve with every event of one recording, or of all."""
         row = None if recording is None else self._row(recording)
         return figures.recency_plot(self._result, theme=self._theme, recording=row)
 
     def saliency_parts(self, recording: Recording | None = None) -> go.Figure:
-        """Parts of the most salient events of one recording, or of all."""
+        """Plot the parts of the most salient events of one recording, or of all."""
         row = None if recording is None else self._row(recording)
         return figures.parts_plot(self._result, theme=self._theme, recording=row)
 
     def curve(self, kind: figures.CurveKind = "miss_rate") -> go.Figure:
-        """Detection curve of X and Y under the session's protocol.
+        """Plot a detection curve of X and Y under the session's protocol.
 
         Parameters
         ----------
@@ -181,12 +181,12 @@ class Figures:
         )
 
     def subgroups(self, measure: str = "encounters_detected") -> go.Figure:
-        """Difference X - Y of one measure with its 95 % interval, by group.
+        """Plot the difference X - Y of one measure with its 95 % interval, by group.
 
         Parameters
         ----------
         measure
-            Its key in the table of evidence (column ``figure``).
+            Key of the measure in the table of evidence (column ``figure``).
         """
         protocol = self._result.dataset.settings.protocol
         table = subgroup_table(self._result, [measure], protocol=protocol)
@@ -195,40 +195,40 @@ class Figures:
     def stability(
         self, plane: Plane = "alpha-midpoint", criterion: Criterion = "similarity"
     ) -> go.Figure:
-        """Better system at other settings (`nvcore.stability.map.map_stability`)."""
+        """Map the better system over other settings (`nvcore.stability.map.map_stability`)."""
         survey = map_stability(self._result, plane, criterion)
         return figures.stability_map(survey, theme=self._theme)
 
     def scores(self, letter: str = "x") -> go.Figure:
-        """Scores of system ``"x"`` or ``"y"``, and which of them its threshold leaves."""
+        """Plot the scores of system ``"x"`` or ``"y"`` and its threshold."""
         system = self._system(letter)
         histogram = score_histogram(self._result.dataset, system.name)
         return figures.score_plot(histogram, **self._setting(letter, system))
 
     def false_alarms(self, letter: str = "x") -> go.Figure:
-        """False alarms per minute that each threshold of system ``"x"`` or ``"y"`` leaves."""
+        """Plot false alarms per minute by the threshold of system ``"x"`` or ``"y"``."""
         system = self._system(letter)
         curve = false_alarm_curve(self._result.dataset, system.name, self._result.params)
         return figures.false_alarm_plot(curve, **self._setting(letter, system))
 
     def classes(self, letter: str = "x") -> go.Figure:
-        """Classes that system ``"x"`` or ``"y"`` reads, by the class in the truth."""
+        """Plot the classes read by system ``"x"`` or ``"y"``, by the class in the truth."""
         name, table = self._system(letter).name, classes_table(self._result)
         return figures.classes_plot(table, letter, name, theme=self._theme)
 
     def proximity(self) -> go.Figure:
-        """Weight of a pedestrian by how near it seems."""
+        """Plot the proximity weight of a pedestrian."""
         result = self._result
         return figures.proximity_plot(result.dataset, result.params, theme=self._theme)
 
     def cost_map(self, recording: Recording = 0) -> go.Figure:
-        """Cost of missing a pedestrian, by where in the picture the feet are."""
+        """Map the cost of missing a pedestrian, by the position of the feet in the picture."""
         result, row = self._result, self._row(recording)
         cost = map_cost(result.weighed_truth, result.dataset.frame_columns, result.params, row)
         return figures.cost_plot(cost, **self._worded)
 
     def _setting(self, letter: str, system: SystemResult) -> dict[str, Any]:
-        """Name and threshold of a system, as the figures of its scores take them."""
+        """Return the arguments of a score figure: letter, name, threshold and theme."""
         of = {"letter": letter, "name": system.name, "threshold": system.threshold}
         return {**of, "theme": self._theme}
 

@@ -1,4 +1,4 @@
-"""Inputs of every kind as one `Dataset` that knows how it is to be compared."""
+"""Loading of inputs of every kind into a `Dataset` with its settings."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ from nvcore.protocols import Protocol, protocol_from
 from nvcore.settings import OperatingPoint, Settings, as_names, operating_point
 
 Input = PathLike | Sequence[PathLike] | Source | pd.DataFrame
-"""Ground truth or detections: files, folders or globs, the same with settings, or a table."""
+"""Ground truth or detections: files, folders or globs, a `Source` with settings, or a table."""
 
 KEYWORDS: Final = {
     "size": "size=(WIDTH, HEIGHT)",
     "fps": "fps=FPS",
     "frames": 'frames="FIRST:LAST"',
 }
-"""How facts that the data lack are given, by the name of the fact."""
+"""Keyword arguments of facts that the data may lack, by the name of the fact."""
 
 AnySettings = TypeVar("AnySettings", bound=Settings)
 
@@ -70,58 +70,58 @@ def load(
     Parameters
     ----------
     source
-        A session file, a session, or a dataset that was loaded, of which only names, protocol and
-        params are changed.
+        Session file, session, or loaded dataset. A loaded dataset only accepts changes of names,
+        protocol, primary measure, operating point and params.
     truth, x, y
-        In place of it: ground truth and detections, each as a file, folder or glob (or several), as
-        a `Source` or `SystemSource` that says how to read them, or as a table with the columns of
-        plain CSV (frame, x, y, w, h in pixels, 0-based; and where known score, track, ignore,
-        recording, distance_m, occlusion). Without `y` there is one system to audit.
+        Ground truth and detections, in place of `source`. Each is a file, folder or glob (or
+        several), a `Source` or `SystemSource` with settings for reading, or a table with the
+        columns of plain CSV: frame, x, y, w, h (pixels, 0-based), and optionally score, track,
+        ignore, recording, distance_m, occlusion. Without `y` a single system can be audited.
     size
-        (width, height) of all pictures, px, or a text such as "640x480"; None: as the data or the
-        session say.
+        (width, height) of all pictures, px, or a text such as "640x480". None: as in the data or
+        the session.
     fps
-        Frames per second of all recordings; None: likewise.
+        Frames per second of all recordings. None: as in the data or the session.
     frames
-        Evaluated frames: a range, ``"first:last[:step]"`` with both ends included, of which either
-        may be missing, or a file with one number a line; None: likewise.
+        Evaluated frames: a range, ``"first:last[:step]"`` with both ends included and either end
+        optional, or a file with one number per line. None: as in the data or the session.
     recordings
-        A CSV file with a line for each recording: its size, frame rate, traffic context, tags and
-        pictures (docs/formats.md); None: what the session names. `size` and `fps` go before it.
+        CSV file with one line per recording: its size, frame rate, traffic context, tags and
+        pictures (docs/formats.md). None: the session's. `size` and `fps` take precedence over it.
     codes
-        A CSV file of stretches with a code (docs/formats.md); None: what the session says.
+        CSV file of coded stretches (docs/formats.md). None: the session's.
     name_x, name_y
-        Names of X and Y; with a session: which of its systems they are.
+        Names of X and Y. With a session they select two of its systems.
     protocol
-        Which pedestrians count in the detection measures, such as ``"reasonable"``.
+        Selection of the pedestrians that the detection measures count, such as ``"reasonable"``.
     objects
-        What the boxes are of, such as ``"speed sign"``; of kinds that the program does not know
-        the singular, or (singular, plural). None: as the session says, else pedestrians.
+        Kind of objects in the boxes, such as ``"speed sign"``. For kinds unknown to the program,
+        the singular or (singular, plural). None: the session's, or else pedestrians.
     primary
-        The measure by which to decide, to be chosen before a verdict is seen, such as
-        ``"mean_similarity"``; None: the session's, or severity per encounter.
+        Measure for the decision, to be chosen before a verdict is seen, such as
+        ``"mean_similarity"``. None: the session's, or severity per encounter.
     operating_point
-        Where X and Y are set to unequally many false alarms: their numbers ``"as-set"``, or with
-        one threshold moved to ``"equal-alarms"``; None: the session's, or as set. Claims are about
-        equal ones either way.
+        Handling of unequal false alarms of X and Y: numbers at the thresholds ``"as-set"``, or
+        with one threshold moved to ``"equal-alarms"``. None: the session's, or as set. Claims
+        always refer to equal false alarms.
     params
-        Settings by name, such as ``alpha=0.8`` or ``threshold_x=0.5``: see `nvcore.Params`. A
+        Settings by name, such as ``alpha=0.8`` or ``threshold_x=0.5`` (see `nvcore.Params`). A
         threshold of None counts every detection.
 
     Returns
     -------
     Dataset
-        With the session's thresholds, parameters, protocol and choice of X and Y as its settings:
-        `compare` and `audit` use them.
+        Its settings are the session's thresholds, parameters, protocol and choice of X and Y, for
+        `compare` and `audit`.
 
     Raises
     ------
     InputError
-        If a file cannot be used; with file and line, or the row of a table counted from 0.
+        If a file cannot be used, with file and line, or the row of a table counted from 0.
     MissingFactError
         If the size, the frame rate or the frames are needed and unknown.
     ParameterError
-        If there is no such setting, or a value is outside its range.
+        If a setting is unknown, or a value is outside its range.
 
     Examples
     --------
@@ -142,7 +142,7 @@ def load(
     tables: Mapping[Source, pd.DataFrame] = {}
     if source is None:
         session, tables = _session_of(inputs, (name_x, name_y))
-        name_x = name_y = None  # they are named so already
+        name_x = name_y = None  # the systems have these names already
     else:
         session = source if isinstance(source, Session) else read_session(Path(source))
     if recordings is not None:
@@ -162,7 +162,7 @@ def load(
 
 @contextmanager
 def keywords_named() -> Iterator[None]:
-    """Within it, errors about missing facts name the keywords by which Python users give them."""
+    """Add the Python keywords that supply missing facts to the errors about them."""
     try:
         yield
     except MissingFactError as error:
@@ -180,14 +180,14 @@ def keywords_named() -> Iterator[None]:
 def load_part(
     source: PathLike | Session | Dataset, part: Part, *, progress: Progress = no_progress
 ) -> tuple[Dataset, Session]:
-    """Data of a session that need not name a system, and the session with its pictures.
+    """Load a session that need not name a system. Return its data, and the session.
 
     Raises
     ------
     InputError
-        If it cannot be used, or a dataset was not loaded from a session.
+        If an input cannot be used, or a dataset was not loaded from a session.
     MissingFactError
-        As `load`.
+        As in `load`.
     """
     if isinstance(source, Dataset):
         given = [name for name in KEYWORDS if getattr(part, name) is not None]
@@ -214,7 +214,7 @@ def load_part(
 
 
 def refuse_for_loaded(names: Sequence[str]) -> None:
-    """Raise InputError if facts of inputs are given that are loaded already."""
+    """Raise InputError if facts are given for inputs that are loaded already."""
     if names:
         keywords = ", ".join(f"{name}=" for name in names)
         raise InputError(f"a dataset is loaded already: give {keywords} to load()")
@@ -228,9 +228,9 @@ def with_choices(
     primary: str | None,
     point: OperatingPoint | None,
 ) -> AnySettings:
-    """The settings with these choices; None: as they are.
+    """Return the settings with these choices (None: unchanged).
 
-    A name that was that of the other system leaves the other to be the first that is left.
+    If X gets the name of Y or vice versa, the other one becomes the first remaining system.
     """
     if isinstance(protocol, str):
         protocol = protocol_from({"name": protocol})
@@ -246,7 +246,7 @@ def with_choices(
 
 
 def with_params(dataset: Dataset, changes: Mapping[str, Any]) -> Dataset:
-    """The dataset with these parameters in place of its own.
+    """Return the dataset with some parameters replaced.
 
     Parameters
     ----------
@@ -263,7 +263,7 @@ def with_params(dataset: Dataset, changes: Mapping[str, Any]) -> Dataset:
     settings = dataset.settings
     params = params_from({**settings.params.given(), **changes})
     settings = replace(settings, params=params)
-    if isinstance(settings, Session):  # as a parameter None would leave the system's own
+    if isinstance(settings, Session):  # with None as a parameter the system's own would apply
         x, y = dataset.compared()
         freed = {
             name
@@ -281,7 +281,7 @@ def with_params(dataset: Dataset, changes: Mapping[str, Any]) -> Dataset:
 def _session_of(
     inputs: Mapping[str, Input | None], names: Sequence[str | None]
 ) -> tuple[Session, dict[Source, pd.DataFrame]]:
-    """A session of single inputs, and those of its sources that are tables."""
+    """Return a session of separate inputs, and the tables among its sources."""
     for keyword in ("truth", "x"):
         if inputs[keyword] is None:
             raise InputError(f"expected truth=, x= and y=; {keyword} is missing")
@@ -300,7 +300,7 @@ def _session_of(
 
 
 def _source(source: Input, keyword: str) -> SystemSource:
-    """Where an input comes from; of the truth the corrections of a system have no meaning."""
+    """Return an input as a `SystemSource`. Its corrections are unused for the truth."""
     if isinstance(source, pd.DataFrame):
         return SystemSource((keyword,), name=keyword.upper())
     if isinstance(source, SystemSource):
