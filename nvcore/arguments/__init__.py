@@ -1,8 +1,8 @@
-"""The arguments of a command, declared once: its flags, the parameters of its Python call, its job.
+"""Declaration of a command's arguments for its flags, its Python call and its job alike.
 
-They are a dataclass. A field made by `argument` is a flag, too, and holds what click and the help
-have to know of it; other fields are parameters of the Python call alone. The docstring of that call
-says only what these fields do not.
+The arguments are a dataclass. A field made by `argument` is a flag as well, and holds the facts
+that click and the help need. Other fields are only parameters of the Python call. The call's
+docstring describes only parameters that these fields do not describe.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import click
 
 from nvcore.wording import one_line
 
-# Nothing here imports numpy or pandas: `nvcore --help` need not wait for them.
+# Nothing here imports numpy or pandas, so that `nvcore --help` need not wait for them.
 
 PathLike = str | Path
 Size = tuple[int, int] | str
@@ -32,12 +32,12 @@ FACTS: Final = "What the files do not say"
 CORRECTIONS: Final = "Corrections"
 OUTPUT: Final = "Output"
 OTHER: Final = "Other"
-"""Headings of the help, beside those of the parameters and click's own."""
+"""Headings of the help, besides those of the parameters and of click itself."""
 
 FRAMES: Final = (
     "first:last[:step], both included, either may be missing; or a file with a number a line."
 )
-"""How frames are named."""
+"""Syntax of evaluated frames."""
 
 
 class _Folder(click.Path):
@@ -61,27 +61,27 @@ Call = TypeVar("Call", bound=Callable[..., Any])
 _PARAMETERS: Final = re.compile(
     r"(?:\n\n(?:Parameters|Attributes)\n-+\n(.*?))?(?=\n\n\w+\n---|\Z)", re.DOTALL
 )
-"""Their section of a docstring, or the place for it; and the entries in it."""
+"""Pattern for the section of parameters in a docstring (group 1: its entries), or its place."""
 
 
 def argument(
     group: str, meaning: str, *, flag: str = "", default: Any = MISSING, **known: Any
 ) -> Any:
-    """A field that has a flag.
+    """Declare a field that has a flag.
 
     Parameters
     ----------
     group
-        Heading of the help that it stands under.
+        Heading in the help.
     meaning
-        What the help and the docstring of the call say of it. ``{again}``: that it may be given
-        several times; ``{name}``: another of these arguments.
+        Text for the help and for the docstring of the call. ``{again}`` says that the argument may
+        be given several times. ``{name}`` refers to another argument.
     flag
-        Empty: by the field's name.
+        Name of the flag. Empty: derived from the field's name.
     default
-        Of both; without it the argument is required.
+        Default of field and flag. Without it the argument is required.
     known
-        As of `click.option`.
+        Further arguments of `click.option`.
     """
     facts = {"group": group, "help": meaning, **known}
     return field(default=default, metadata={"flag": flag, "facts": facts})
@@ -89,17 +89,18 @@ def argument(
 
 @dataclass_transform(frozen_default=True, field_specifiers=(argument, field))
 def arguments(kind: type[Arguments]) -> type[Arguments]:
-    """A class whose fields are the arguments of a command."""
+    """Make a class a frozen dataclass whose fields are the arguments of a command."""
     return dataclass(frozen=True)(kind)
 
 
 def called_with(
     kind: Callable[P, Arguments],
 ) -> Callable[[Callable[[Arguments], Output]], Callable[P, Output]]:
-    """A function of what a class or another function makes, called with the parameters of that.
+    """Decorate a function of a single object to be called with the parameters that make the object.
 
-    So ``help``, type checkers and `inspect.signature` show it. Of the parameters the function's
-    docstring says only what neither the help of the fields nor the docstring of `kind` does.
+    `kind` is the class or function that makes it. ``help``, type checkers and `inspect.signature`
+    show these parameters. The function's docstring describes only those that neither the fields'
+    help nor the docstring of `kind` describes.
     """
 
     def decorate(function: Callable[[Arguments], Output]) -> Callable[P, Output]:
@@ -115,7 +116,7 @@ def called_with(
 def method_with(
     kind: Callable[P, Arguments],
 ) -> Callable[[Callable[[Owner, Arguments], Output]], Callable[Concatenate[Owner, P], Output]]:
-    """As `called_with`, for a method."""
+    """Decorate a method like `called_with`."""
 
     def decorate(
         method: Callable[[Owner, Arguments], Output],
@@ -132,7 +133,7 @@ def method_with(
 
 
 def _shown(call: Call, kind: Callable[..., Any], parameters: Iterable[inspect.Parameter]) -> Call:
-    """The call, shown with these parameters, which its docstring describes."""
+    """Set the signature of a call, and describe the parameters in its docstring."""
     output = call.__annotations__["return"]
     signature = inspect.Signature(list(parameters), return_annotation=output)
     call.__signature__ = signature  # type: ignore[attr-defined]
@@ -145,7 +146,7 @@ def _shown(call: Call, kind: Callable[..., Any], parameters: Iterable[inspect.Pa
 
 
 def _texts_of(kind: Callable[..., Any]) -> dict[str, str]:
-    """Entries of the parameters that a class, or another function, says something of."""
+    """Return the docstring entries of a class's fields or a function's parameters, by name."""
     if not is_dataclass(kind):
         return _texts(kind)
     texts = {}
@@ -166,7 +167,7 @@ def _texts_of(kind: Callable[..., Any]) -> dict[str, str]:
 
 
 def _texts(described: object) -> dict[str, str]:
-    """Entries of a docstring by parameter; several may share one."""
+    """Return the entries of a docstring by parameter. Several parameters may share one."""
     told = _PARAMETERS.findall(inspect.cleandoc(described.__doc__ or ""))[0]
     entries = re.split(r"\n(?=\S)", told)
     return {name: entry for entry in entries for name in entry.partition("\n")[0].split(", ")}
@@ -174,7 +175,7 @@ def _texts(described: object) -> dict[str, str]:
 
 @arguments
 class Part:
-    """Which recordings and frames of a session a command works on, and what its files lack.
+    """Recordings and frames that a command works on, and facts that the files lack.
 
     Attributes
     ----------
@@ -216,12 +217,12 @@ class Part:
 
 
 def pairs_of(_: click.Context, option: click.Parameter, texts: Sequence[str]) -> dict[str, str]:
-    """Callback of a flag that takes ``KEY=VALUE`` again and again.
+    """Callback of a repeatable flag that takes ``KEY=VALUE``.
 
     Raises
     ------
     click.UsageError
-        If one is of another form; with the flag's name.
+        If a text has another form.
     """
     pairs = {}
     for text in texts:

@@ -1,4 +1,4 @@
-"""What groups are compared by."""
+"""Arguments of a comparison of groups."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Scale = Literal["times", "counts", "numbers"]
-"""What is measured: times, whose logarithms are compared in the same persons; counts, which are
-compared by permutation; or other numbers."""
+"""Kind of values: times (in the same persons their logarithms are compared), counts (compared by
+permutation), or other numbers."""
 STUDY: Final = "Study"
 
 

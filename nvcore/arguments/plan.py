@@ -1,4 +1,4 @@
-"""What a study is planned for."""
+"""Arguments of a study plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a report is told by its author."""
+"""Arguments of a report."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from nvcore.wording import one_line, shortened
 
 REPORT: Final = "Report"
 MAX_CHARACTERS: Final = 400
-"""Of a title, an author or a question; an ellipsis replaces the rest."""
+"""Longest title, author or question. An ellipsis replaces the rest."""
 
 
 @arguments
 class Inscription:
-    """What its author writes on a report; empty: nothing. The program adds no date of its own."""
+    """Texts that the author puts on a report, if not empty. The program adds no date of its own."""
 
     _: KW_ONLY
     title: str = argument(REPORT, "Title of the report.", default="")
@@ -29,7 +29,7 @@ class Inscription:
     )
 
     def in_short(self) -> Inscription:
-        """Each as one harmless line."""
+        """Return the texts as single lines of limited length."""
         short = {
             spec.name: shortened(one_line(getattr(self, spec.name).strip()), MAX_CHARACTERS)
             for spec in fields(Inscription)
