@@ -1,7 +1,7 @@
 """The command line: parse, load, audit, analyse, report.
 
-Commands import what they need when they are called: `nvcore --help` need not wait for numpy,
-pandas and numba.
+Commands import numpy, pandas and numba only when they are called, which keeps `nvcore --help`
+fast.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> Any:
-    """Load ``main`` on first use: the commands of subjects import from this package themselves."""
+    """Load ``main`` on first use, because the commands of subjects import from this package."""
     if name == "main":
         from nvcore.cli.commands import main
 

@@ -67,19 +67,19 @@ def app(
 
 
 def serve(given: Sequence[str], *, address: str | None, port: int | None, no_browser: bool) -> None:
-    """Run the dashboard until it is ended.
+    """Run the dashboard until the user stops it.
 
     Parameters
     ----------
     given
         Flags of ``app.py``.
     address, port, no_browser
-        As of ``nvcore app``.
+        As in ``nvcore app``.
 
     Raises
     ------
     InputError
-        If it is not installed, or cannot listen there.
+        If it is not installed, or cannot listen at the address.
     """
     with needs("app", "the dashboard needs"):
         for package in PACKAGES["app"]:
@@ -92,7 +92,7 @@ def serve(given: Sequence[str], *, address: str | None, port: int | None, no_bro
     flags += [] if port is None else [f"--server.port={port}"]
     flags += ["--server.headless=true"] if no_browser else []
     with _told_where_it_cannot_listen(address), suppress(KeyboardInterrupt, click.Abort):
-        # ^C is the way to end it
+        # Ctrl+C is the regular way to stop it
         streamlit(
             ["run", str(dashboard() / "app.py"), *flags, "--", *given],
             prog_name="nvcore app",
@@ -105,7 +105,7 @@ def _told_where_it_cannot_listen(address: str | None) -> Iterator[None]:
     try:
         yield
     except SystemExit as end:
-        # Streamlit has said that the port is not available
+        # Streamlit has reported that the port is not available
         raise SystemExit(EXIT_BAD_INPUT if end.code == 1 else end.code) from end
     except OSError as error:
         if isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL:
@@ -117,12 +117,12 @@ def _told_where_it_cannot_listen(address: str | None) -> Iterator[None]:
 
 
 def dashboard() -> Path:
-    """The folder of the dashboard: the package's own, or in a checkout the checkout.
+    """Return the folder of the dashboard, within the installed package or in a checkout.
 
     Raises
     ------
     InputError
-        If it is not installed.
+        If the dashboard is not installed.
     """
     for folder in (PACKAGE / "dashboard", PACKAGE.parent):
         if (folder / "app.py").is_file() and (folder / "ui" / "main.py").is_file():
@@ -134,12 +134,14 @@ def dashboard() -> Path:
 
 
 def _checked(path: Path) -> Path:
-    """The session file's whole path, if it and its files are there.
+    """Check that a session file and its files exist, before visitors need them.
+
+    Returns the absolute path.
 
     Raises
     ------
     InputError
-        If they are not: to be known before the first visitor comes.
+        If one of them is missing.
     """
     from nvcore.inputs.files import find_all
 

@@ -1,4 +1,4 @@
-"""The group of all commands: those of the core, then those of the subjects."""
+"""Group of all commands, from the core and from the subjects."""
 
 from __future__ import annotations
 

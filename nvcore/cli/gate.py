@@ -36,11 +36,11 @@ if TYPE_CHECKING:
 RULES = "Rules"
 EXIT_FAILED = 1
 STANDARD = Path("-")
-"""Standard input or output, as a file's name."""
+"""File name that stands for standard input or output."""
 
 
 class _GateCommand(GroupedCommand):
-    """Says in the files of results why there are none, so that none of the last run stay there."""
+    """Command that replaces old result files by the error if it fails."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         arguments = [*args]
@@ -70,7 +70,7 @@ class _GateCommand(GroupedCommand):
 def _result_files(
     out: Path | None, junit: Path | None, markdown_file: Path | None
 ) -> tuple[Path | None, Path | None]:
-    """Where the outcomes go as JUnit XML and as Markdown; of a folder the files in it."""
+    """Return the files for outcomes as JUnit XML and Markdown, by default in the folder `out`."""
     if out is None:
         return junit, markdown_file
     return junit or out / "gate.xml", markdown_file or out / "gate.md"
@@ -172,7 +172,7 @@ def gate(
     refuse_to_replace(outputs, files_read(session))
     if out is not None:
         written = click.get_current_context().params
-        written["out"] = None  # in a folder of inputs not even what is wrong is written
+        written["out"] = None  # an error about a folder of inputs must not be written into it
         refuse_among_inputs(out, session)
         written["out"] = out
     _write_problem(junit, markdown_file, "it was stopped before it ended", prints=False)
@@ -198,7 +198,7 @@ def gate(
 
 
 def _takes_standard_output(files: Sequence[Path], lists: bool) -> bool:
-    """Whether something else than text for people goes there; a usage error if several do."""
+    """Whether machine-readable output goes to standard output. Refuse several such outputs."""
     n_taken = files.count(STANDARD) + lists
     if n_taken > 1:
         raise click.UsageError("only one of --list, --junit - and --markdown - can be printed")
@@ -208,7 +208,7 @@ def _takes_standard_output(files: Sequence[Path], lists: bool) -> bool:
 
 
 def _read(texts: Iterable[str], file: Path | None, session: Path | None) -> list[Rule]:
-    """The rules of the flags and of the file, or all that is wrong with them."""
+    """Return the rules from the flags and the file, or raise BadInput with all their problems."""
     from nvcore.report.gate.measures import measure_names
     from nvcore.report.gate.rules import read_rules
 
@@ -248,14 +248,14 @@ def _write(file: Path, content: bytes) -> None:
 def _write_problem(
     junit: Path | None, markdown_file: Path | None, problem: str, *, prints: bool = True
 ) -> None:
-    """Why the gate could not be run, in place of the results; files that no gate wrote stay."""
+    """Write the reason for a failed run in place of results, except over files of other origin."""
     from nvcore.report.gate.results import is_gate_result, junit_error, markdown_error
 
     contents = ((junit, junit_error(problem)), (markdown_file, markdown_error(problem).encode()))
     for file, content in contents:
         if file is None or (file == STANDARD and not prints):
             continue
-        # resolved: by way of a missing folder (missing/../truth.csv) an input seems not to exist
+        # resolved, because a path by way of a missing folder (missing/../a.csv) seems not to exist
         target = file if file == STANDARD else file.resolve()
         with suppress(OSError, InputError):
             if file == STANDARD or not target.exists() or is_gate_result(_head(target)):
@@ -263,7 +263,7 @@ def _write_problem(
 
 
 def _head(file: Path) -> bytes:
-    """Beginning of a file; empty for anything else, such as a terminal."""
+    """Return the beginning of a regular file, or b"" for anything else, such as a terminal."""
     if not file.is_file():
         return b""
     with file.open("rb") as stream:
@@ -271,7 +271,7 @@ def _head(file: Path) -> bytes:
 
 
 def _value_of(flag: str, arguments: Sequence[str]) -> Path | None:
-    """What a flag says in arguments that could not be parsed."""
+    """Find the value of a flag in arguments that could not be parsed."""
     for argument, following in zip(arguments, [*arguments[1:], None], strict=True):
         if argument == flag and following is not None:
             return Path(following)

@@ -1,4 +1,4 @@
-"""``nvcore groups``: do persons or drives differ between conditions, by the test that fits."""
+"""``nvcore groups``: test whether persons or drives differ between conditions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``nvcore matrix``: every two systems of a session against each other."""
+"""``nvcore matrix``: pairwise comparison of all systems of a session."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``nvcore models``: the models that subjects bring."""
+"""``nvcore models``: the models that subjects provide."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from nvcore.subjects import contributed
 
 @dataclass(frozen=True)
 class Models:
-    """Models of one kind, in words.
+    """Functions that list and describe models of one kind.
 
     Attributes
     ----------
     list_all
-        Those that are built in.
+        Returns the list of built-in models as text.
     has
-        Whether a text is the name or the file of one.
+        True if its argument is the name or the file of such a model.
     describe
-        One by its name or file, with settings that are given.
+        Returns the description of a model, by its name or file and the given settings.
     """
 
     list_all: Callable[[], str]
@@ -61,6 +61,6 @@ def models(model: str | None, settings: dict[str, str]) -> None:
         for kind in kinds:
             click.echo(kind.list_all())
         return
-    # what none of them has, the first one refuses with its reasons
+    # an unknown model is refused by the first kind, with reasons
     kind = next((kind for kind in kinds if kind.has(model)), kinds[0])
     click.echo(kind.describe(model, settings))

@@ -30,14 +30,14 @@ from nvcore.settings import POINTS
 from nvcore.subjects import contributed
 from nvcore.wording import listed, one_line
 
-# Nothing here imports numpy, pandas or numba: `nvcore --help` need not wait for them.
+# Nothing here imports numpy, pandas or numba, so that `nvcore --help` need not wait for them.
 
 DETECTION = "Detection measures"
-"""A heading of the help, beside those of `nvcore.arguments` and of the parameters."""
+"""Heading of the help, besides those of `nvcore.arguments` and of the parameters."""
 
 
 class GroupedOption(click.Option):
-    """An option that stands under a heading of its own in the help."""
+    """Option with a heading in the help."""
 
     def __init__(self, *arguments: Any, group: str, **settings: Any):
         super().__init__(*arguments, **settings)
@@ -45,9 +45,9 @@ class GroupedOption(click.Option):
 
 
 class GroupedCommand(click.Command):
-    """A command whose help has a heading for each group of options.
+    """Command whose help has a heading for each group of options.
 
-    What every run needs stands first, the settings of the measures last.
+    Options that every run needs come first, settings of the measures last.
     """
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -57,7 +57,7 @@ class GroupedCommand(click.Command):
             record = param.get_help_record(ctx)
             if isinstance(param, click.Option) and record is not None:
                 groups.setdefault(getattr(param, "group", OTHER), []).append(record)
-        # a sort that leaves groups of one place as they are
+        # a stable sort: groups of the same place keep their order
         for name, records in sorted(groups.items(), key=lambda item: _place(item[0])):
             with formatter.section(name):
                 formatter.write_dl(records)
@@ -71,7 +71,7 @@ def _place(group: str) -> int:
 
 
 def examples(*lines: str) -> str:
-    """The end of a help text: command lines to start from, which click leaves as they are."""
+    """Return the end of a help text: example command lines, which click does not wrap."""
     title = "Example:" if len(lines) == 1 else "Examples:"
     return "\n".join(["\b", title, *(f"  {line}" for line in lines)])
 
@@ -79,7 +79,7 @@ def examples(*lines: str) -> str:
 def command(
     short_help: str, *lines: str, name: str | None = None
 ) -> Callable[[Callable[..., Any]], click.Command]:
-    """Declare a command by its line in the list of commands, and the examples of its help."""
+    """Declare a command with its line in the list of commands, and the examples in its help."""
     return click.command(name, GroupedCommand, short_help=short_help, epilog=examples(*lines))
 
 
@@ -94,12 +94,12 @@ def session_argument(*, required: bool = True) -> Callable[[Callable[..., Any]],
 
 
 def check_html_name(flag: str, file: Path) -> None:
-    """Refuse a name that is not of an HTML file: an input named by mistake stays as it is.
+    """Check that an output is named as an HTML file, which protects inputs named by mistake.
 
     Raises
     ------
     click.UsageError
-        If it ends otherwise.
+        If the name has another ending.
     """
     if file.suffix.lower() not in (".html", ".htm"):
         raise click.UsageError(
@@ -108,14 +108,14 @@ def check_html_name(flag: str, file: Path) -> None:
 
 
 def grouped_option(group: str, *names: str, **settings: Any) -> Callable[..., Any]:
-    """`click.option` with the heading that it stands under."""
+    """Declare a `click.option` under a heading of the help."""
     return click.option(*names, cls=GroupedOption, group=group, **settings)
 
 
 def with_options(
     *options: Callable[..., Any],
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """A command with these flags, in their order."""
+    """Add flags to a command, in this order."""
 
     def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
         for option in reversed(options):
@@ -126,12 +126,12 @@ def with_options(
 
 
 def options_of(kind: type, *names: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Flags for the fields that `argument` made of a class of arguments, as its call has them.
+    """Add flags for the fields of an arguments class that were made by `argument`.
 
     Parameters
     ----------
     names
-        Of these fields alone; none: of all.
+        Only these fields. Empty: all.
     """
     options = []
     flags = {spec.name: flag_of(spec.name) for spec in fields(kind)}
@@ -142,7 +142,7 @@ def options_of(kind: type, *names: str) -> Callable[[Callable[..., Any]], Callab
         facts["help"] = facts["help"].format(again="may be given again", **flags)
         if spec.default is MISSING:
             facts["required"] = True
-        elif spec.default != ():  # None, too: of a flag with a negation it is a third value
+        elif spec.default != ():  # None as well: it is the third value of a flag with a negation
             facts |= {"default": spec.default, "show_default": spec.default not in (None, "")}
         flag = spec.metadata["flag"] or flag_of(spec.name)
         options.append(grouped_option(facts.pop("group"), flag, spec.name, **facts))
@@ -150,12 +150,12 @@ def options_of(kind: type, *names: str) -> Callable[[Callable[..., Any]], Callab
 
 
 def arguments_of(kind: type[Arguments], options: Mapping[str, Any]) -> Arguments:
-    """The arguments of this class among the options of a command."""
+    """Collect the arguments of this class from the options of a command."""
     return kind(**{spec.name: options[spec.name] for spec in fields(kind)})  # type: ignore[arg-type]
 
 
 def refuse_without_session(options: Mapping[str, Any], *more: str) -> None:
-    """Refuse flags of `Part`, and `more` of that kind, where no session is named."""
+    """Refuse the flags of `Part`, and `more` such flags, if no session is named."""
     names = (*(spec.name for spec in fields(Part)), *more)
     if any(options[name] for name in names):
         flags = listed([flag_of("tag" if name == "tags" else name) for name in names])
@@ -163,7 +163,7 @@ def refuse_without_session(options: Mapping[str, Any], *more: str) -> None:
 
 
 class PairOf(click.ParamType[tuple[float, float]]):
-    """One or two numbers with a comma between them."""
+    """Type of a flag that takes two numbers separated by a comma, or one if `may_be_one`."""
 
     def __init__(self, name: str, *, may_be_one: bool = False):
         self.name = name
@@ -172,7 +172,7 @@ class PairOf(click.ParamType[tuple[float, float]]):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[float, float]:
-        """The numbers of a text."""
+        """Parse the numbers."""
         parts = value.split(",")
         try:
             numbers = [float(part) for part in parts]
@@ -187,17 +187,17 @@ class PairOf(click.ParamType[tuple[float, float]]):
 
 
 def flag_of(name: str) -> str:
-    """The flag of a parameter."""
+    """Return the flag of a parameter."""
     return "--" + name.replace("_", "-")
 
 
 def parameter_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Flags for all live parameters, made from the fields of `Params`."""
+    """Add flags for all live parameters, made from the fields of `Params`."""
     return _with_parameters(command, SETTINGS)
 
 
 def audit_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Flags for the parameters that the audit of the inputs depends on."""
+    """Add flags for the parameters that affect the audit of the inputs."""
     return _with_parameters(command, AUDIT_SETTINGS)
 
 
@@ -220,12 +220,12 @@ protocol_option = grouped_option(
     help="Which pedestrians count in the detection measures, such as the log-average miss rate "
     "(docs/detection.md). Default: the session file's, or all.",
 )
-"""The flag for the protocol of the detection measures."""
+"""Flag for the protocol of the detection measures."""
 
 strict_option = grouped_option(
     OUTPUT, "--strict", is_flag=True, help="Warnings of the audit give exit code 1, too."
 )
-"""The flag for the exit code."""
+"""Flag that makes warnings affect the exit code."""
 
 format_option = grouped_option(
     READING,
@@ -234,7 +234,7 @@ format_option = grouped_option(
     help="Format of all files, such as csv, coco or kitti-tracking (all: docs/formats.md). "
     "Default: by their content.",
 )
-"""The flag for the format of all inputs."""
+"""Flag for the format of all inputs."""
 
 objects_option = grouped_option(
     READING,
@@ -243,7 +243,7 @@ objects_option = grouped_option(
     help="What the boxes are of: 'speed sign', or any other singular, and its plural if an s does "
     "not make it. Default: the session file's, or pedestrian.",
 )
-"""The flag for the kind of objects."""
+"""Flag for the kind of objects."""
 
 reading_options = (
     grouped_option(
@@ -284,7 +284,7 @@ reading_options = (
         "recording; several numbers, the counter before the last. Default: by what they look like.",
     ),
 )
-"""Flags that say how files are read."""
+"""Flags for reading files."""
 
 
 verdict_options = (
@@ -314,11 +314,11 @@ verdict_options = (
         "given again.",
     ),
 )
-"""Flags that say how X and Y are judged, where they are."""
+"""Flags for judging X and Y."""
 
 
 def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """A session file, or flags that name the inputs and the facts which they lack."""
+    """Add the argument for a session file, and flags for inputs, missing facts and verdict."""
     session = click.argument("session_file", required=False, type=click.Path(path_type=Path))
     for option in reversed(verdict_options):
         command = option(command)
@@ -326,7 +326,7 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def input_flags(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The flags that name inputs and facts, alone."""
+    """Add the flags for inputs and facts only."""
     options = [
         grouped_option(
             INPUTS,

@@ -1,4 +1,4 @@
-"""``nvcore plan``: how many recordings would show a difference, or that there is none to fear."""
+"""``nvcore plan``: number of recordings needed to show a difference or non-inferiority."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def plan(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
     for name in ("difference", "margin"):
         options[name] = _amount(flag_of(name), options[name], key)
     asked = arguments_of(PlanArguments, options)
-    if out is not None and out.suffix.lower() != ".json":  # no input by mistake
+    if out is not None and out.suffix.lower() != ".json":  # protects inputs named by mistake
         raise click.UsageError(
             f"--out: expected a file that ends in .json, got {one_line(str(out))}"
         )

@@ -1,11 +1,11 @@
-"""The program around its commands: what it says and with which exit code when one cannot go on.
+"""Error messages and exit codes of the program, for all commands.
 
 0    fine
 1    the audit found errors, or a rule of the gate does not hold
 2    bad input, or an output that cannot be written
 3    a fault of the program, or too little memory
 130  interrupted (128 + SIGINT)
-141  whoever reads the output went away (128 + SIGPIPE)
+141  the reader of the output is gone (128 + SIGPIPE)
 """
 
 from __future__ import annotations
@@ -36,24 +36,24 @@ EXIT_PIPE: Final = 141
 
 
 class BadInput(click.ClickException):
-    """What a user can mend."""
+    """Error that the user can fix."""
 
     exit_code = EXIT_BAD_INPUT
 
 
 class _Fault(click.ClickException):
-    """What only the programmers can mend, or a larger machine."""
+    """Error that only the programmers or a larger machine can fix."""
 
     exit_code = EXIT_FAULT
 
 
 class Program(click.Group):
-    """Ends with the exit codes of this module, whatever happens in a command."""
+    """Command group that ends with the exit codes of this module, whatever happens."""
 
     def main(  # type: ignore[override]
         self, args: Sequence[str] | None = None, *, standalone_mode: bool = True, **options: Any
     ) -> Any:
-        """Parse, run, exit."""
+        """Parse the command line, run the command and exit."""
         if sys.stdout is None:  # closed by the shell: >&-
             click.echo("Error: there is no standard output to write to", err=True)
             sys.exit(EXIT_BAD_INPUT)
@@ -70,7 +70,7 @@ class Program(click.Group):
         sys.exit(code)
 
     def make_context(self, *arguments: Any, **options: Any) -> click.Context:
-        """Parse the command line, and print help that it asks for."""
+        """Parse the command line, and print requested help."""
         with _shown_errors():
             return super().make_context(*arguments, **options)
 
@@ -82,7 +82,7 @@ class Program(click.Group):
 
 @contextmanager
 def _shown_errors() -> Iterator[None]:
-    """Errors within it become the exceptions that `Program.main` shows."""
+    """Convert errors to the exceptions that `Program.main` shows."""
     try:
         yield
     except (click.ClickException, click.Abort, click.exceptions.Exit):
@@ -107,7 +107,7 @@ def _shown_errors() -> Iterator[None]:
 
 
 def program() -> str:
-    """How this program is called, for commands that it proposes: by name, or by path as here."""
+    """Return the program's name or path, as it was called, for suggested commands."""
     called = sys.argv[0]
     is_by_path = Path(called).stem == NAME and shutil.which(NAME) != shutil.which(called)
     return shlex.quote(called) if is_by_path else NAME
@@ -119,6 +119,6 @@ def _fault() -> _Fault:
 
 
 def _forget_output() -> None:
-    """What is still to be written is lost, without a word at the end of the program."""
+    """Discard unwritten output, so that flushing it at exit raises no error."""
     with open(os.devnull, "w") as nowhere:  # noqa: PTH123
         os.dup2(nowhere.fileno(), sys.stdout.fileno())

@@ -1,4 +1,4 @@
-"""Progress of a command: a bar on a terminal, now and then a line elsewhere, as in a log."""
+"""Progress of a command: a bar on a terminal, occasional lines elsewhere, as in a log."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from nvcore.wording import one_line
 
 
 def _end(bar: Any, *, is_done: bool) -> None:
-    """Leave the line of a bar; one of work that was stopped stays where it was."""
+    """Close a progress bar. It only jumps to its end if the work is done."""
     if bar is None:
         return
     if is_done:
@@ -22,7 +22,7 @@ def _end(bar: Any, *, is_done: bool) -> None:
 
 
 class _Lines:
-    """Lines on an error stream that is no terminal: whole ones, and far apart."""
+    """Occasional lines on an error stream that is not a terminal."""
 
     APART_S = 30.0
 
@@ -31,7 +31,7 @@ class _Lines:
         self.is_shown = not sys.stderr.isatty()
 
     def tell(self, text: str) -> bool:
-        """Write the line, unless it is too early; whether it was written."""
+        """Write the line unless it is too early. Return whether it was written."""
         if not self.is_shown or time.monotonic() < self.next_s:
             return False
         click.echo(one_line(text), err=True)
@@ -40,7 +40,7 @@ class _Lines:
 
 
 def step_lines() -> Progress:
-    """Writes each step once on a terminal; elsewhere now and then which one it is."""
+    """Return a progress callback that prints each step on a terminal, elsewhere occasional ones."""
     last = ""
     lines = _Lines(_Lines.APART_S)
 
@@ -55,7 +55,7 @@ def step_lines() -> Progress:
 
 
 class TerminalProgress:
-    """Steps on the error stream: a bar once they have taken a second, or lines."""
+    """Progress by steps on the error stream: a bar after the first second, or lines."""
 
     PATIENCE_S = 1.0
 
@@ -73,7 +73,7 @@ class TerminalProgress:
         _end(self.bar, is_done=error is None)
 
     def __call__(self, _share: float, what: str) -> None:
-        """Progress of a part of the steps: one of them begins."""
+        """Begin a step, if used as a progress callback."""
         self.begin(what)
 
     def begin(self, label: str) -> None:
@@ -91,9 +91,9 @@ class TerminalProgress:
 
 
 class ShareProgress:
-    """Work that says which share is done, on the error stream: a bar, or lines.
+    """Progress by the completed share on the error stream: a bar, or lines.
 
-    Lines come at the beginning, as soon as the time left is known, and at every tenth.
+    Lines come at the beginning, once the remaining time is known, and at every tenth.
     """
 
     PARTS = 1000
@@ -108,7 +108,7 @@ class ShareProgress:
     def __enter__(self) -> ShareProgress:
         if sys.stderr.isatty():
             self.bar = click.progressbar(length=self.PARTS, file=sys.stderr, width=24)
-            self.bar.show_eta = False  # the words say it
+            self.bar.show_eta = False  # the label has it
             self.bar.__enter__()
         return self
 
@@ -116,7 +116,7 @@ class ShareProgress:
         _end(self.bar, is_done=error is None)
 
     def __call__(self, share: float, words: str) -> None:
-        """Progress of the work."""
+        """Show the completed share, 0 to 1, with a label."""
         if self.bar is not None:
             done = int(share * self.PARTS)
             self.bar.label = one_line(words).ljust(56)

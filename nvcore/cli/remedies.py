@@ -1,4 +1,4 @@
-"""Remedies as the command line words them: by its flags."""
+"""Wording of suggested fixes on the command line, in terms of its flags."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _METAVARS: Final = {
     "recordings": "FILE",
     "truth": "PATH",
 }
-"""What stands for the value of an option that only the user knows."""
+"""Placeholders for values of options that only the user knows."""
 
 OF_SESSION_FILE: Final[RemedyTexts] = dict(TEXTS) | {
     Remedy.CLASSES: ('write classes = ["{value}"]{of}', "NAMES"),
@@ -59,18 +59,18 @@ OF_SESSION_FILE: Final[RemedyTexts] = dict(TEXTS) | {
     Remedy.BOX_BASE: ("write box_base = {value}{of}", "0"),
     Remedy.BOXES: ('write boxes = "{value}"{of}', "corners"),
 }
-"""Where a session file is given, which holds what the flags say of files named by flags."""
+"""Templates for runs with a session file, which has keys instead of flags about its files."""
 
 
 def ways_text(
     steps: Iterable[Step], compared: Mapping[str, str], *, are_all_needed: bool = False
 ) -> str:
-    """Ways on as a sentence: by flags, or by keys of the session file where one is given.
+    """Return suggested fixes as a sentence, by flags or by keys of the given session file.
 
     Parameters
     ----------
     compared
-        What the flags about a source end in ("-x"), by the subject of a step.
+        Ending of the flags about a source ("-x"), by the subject of a step.
     are_all_needed
         See `steps_text`.
     """
@@ -103,7 +103,7 @@ def _system_table(name: str) -> str:
 
 
 def suggestion_text(finding: Finding, compared: Mapping[str, str]) -> str:
-    """The corrections that a finding suggests, by flags of X or Y, else by keys of the session."""
+    """Return a finding's suggested corrections, by flags of X or Y or else by session keys."""
     values: dict[str, list[str]] = {}
     for name, value in finding.suggestion:
         key = {"offset_x_px": "offset_px", "offset_y_px": "offset_px"}.get(name)
@@ -123,6 +123,6 @@ def suggestion_text(finding: Finding, compared: Mapping[str, str]) -> str:
 
 
 def error_text(error: NvcoreError) -> str:
-    """The error with its ways on."""
+    """Return the error's message with suggested fixes."""
     ways = ways_text(error.steps, {}, are_all_needed=error.needs_all_steps)
     return f"{str(error).rstrip('.')}. {ways}" if ways else str(error)

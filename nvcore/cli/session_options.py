@@ -1,4 +1,4 @@
-"""The `Session` that the flags of the command line make."""
+"""Builds a `Session` from a session file and flags of the command line."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ OF_FILES: Final = (
         for end in ("", "_truth", "_x", "_y")
     ),
 )
-"""Flags that say how the files named by flags are read."""
+"""Flags for reading files that are named by flags."""
 
 
 def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
-    """The session file, or one made from the flags; flags go before the file.
+    """Build a session from the session file and flags, or from flags alone.
 
-    Settings without effect are named on standard error.
+    Flags override the file. Settings without effect are reported on standard error.
 
     Raises
     ------
     click.UsageError
-        If the flags do not go together.
+        If the flags contradict each other.
     NvcoreError
         If the session file or a value cannot be used.
     """
@@ -64,7 +64,7 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
 
 
 def _without_effect(name: str, params: Params) -> str:
-    """That a setting acts on nothing, and with which choice it would."""
+    """Describe a setting without effect, and the choice with which it would have one."""
     used_with = SETTINGS[name].used_with
     assert used_with is not None
     choice, values = used_with
@@ -110,7 +110,7 @@ def _from_flags(options: dict[str, Any], given: dict[str, Any], *, needs_y: bool
 
 
 def _with_facts(session: Session, options: dict[str, Any]) -> Session:
-    """The session with what the flags say of its recordings, before what files say of them."""
+    """Apply the flags about recordings, which override files, to a session."""
     from nvcore.inputs.recordings_file import with_recordings_file
 
     path = options["recordings"]
@@ -161,7 +161,7 @@ def _from_file(options: dict[str, Any], given: dict[str, Any], *, needs_y: bool)
 
 
 def _read(path: Path, *, needs_y: bool) -> Session:
-    """The session file; annotations in its place say by which flag they are given."""
+    """Read the session file. For annotations in its place, name the flag that they need."""
     try:
         return read_session(path)
     except SessionError as error:
@@ -173,7 +173,7 @@ def _read(path: Path, *, needs_y: bool) -> Session:
 
 
 def _advice_on(path: Path, *, needs_y: bool) -> str | None:
-    """What a file or folder is that is no session file, and how it is given; None: unknown."""
+    """Describe a file that is not a session file, and its flag if any (None: unknown kind)."""
     from nvcore.file_kinds import binary_kind
     from nvcore.inputs.proposals import looks_like
 
@@ -194,7 +194,7 @@ def _advice_on(path: Path, *, needs_y: bool) -> str | None:
 
 
 def _corrected(session: Session, options: dict[str, Any]) -> tuple[SystemSource, ...]:
-    """The session's systems with the corrections of the flags in place of their own."""
+    """Return the session's systems, with corrections from the flags in place of their own."""
     systems = list(session.systems)
     names = {"x": session.x, "y": session.y}
     for letter, default in (("x", 0), ("y", 1)):
@@ -228,7 +228,7 @@ def _corrections(options: dict[str, Any], letter: str) -> dict[str, Any]:
 
 
 def size_option(options: dict[str, Any]) -> tuple[int, int] | None:
-    """Width and height given by ``--size``."""
+    """Return width and height given by ``--size``."""
     if options["size"] is None:
         return None
     try:
@@ -238,7 +238,7 @@ def size_option(options: dict[str, Any]) -> tuple[int, int] | None:
 
 
 def objects_from_option(options: dict[str, Any]) -> Objects | None:
-    """The objects given by ``--objects``."""
+    """Return the objects given by ``--objects``."""
     if options["objects"] is None:
         return None
     try:
@@ -248,7 +248,7 @@ def objects_from_option(options: dict[str, Any]) -> Objects | None:
 
 
 def source_options(options: dict[str, Any], side: str = "") -> dict[str, Any]:
-    """Fields of `Source` that the flags give, those of one side before those of all."""
+    """Return the fields of `Source` from flags. Flags for one side override those for all."""
     classes, boxes, frame_names = (
         options.get(f"{name}_{side}") or options[name]
         for name in ("classes", "boxes", "frame_names")

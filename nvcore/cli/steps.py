@@ -1,4 +1,4 @@
-"""Steps that several commands take: naming and keeping the inputs, comparing, the exit code."""
+"""Steps shared by commands: naming and protecting inputs, comparing, exit codes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role
     from nvcore.settings import OperatingPoint
 
-# Nothing here imports numpy, pandas or numba before it is called.
+# numpy, pandas and numba are imported by the functions only.
 
 EXIT_FINDINGS = 1
 Job = TypeVar("Job")
@@ -38,14 +38,14 @@ def compare_session(
     *,
     progress: Progress = no_progress,
 ) -> tuple[Result, tuple[Finding, ...]]:
-    """The comparison that a session asks for, and what the audit found.
+    """Load and compare a session. Return the result and the audit's findings.
 
     Parameters
     ----------
     otherwise
-        The operating point, where the session asks for none.
+        Operating point if the session sets none.
     progress
-        Of the reading.
+        Progress of reading the inputs.
     """
     from nvcore.auditing import audit
     from nvcore.comparison import compare
@@ -66,15 +66,15 @@ def exit_on_findings(findings: Iterable[Finding], strict: bool) -> None:
 
 
 def as_loaded(session: Session, dataset: Dataset) -> Session:
-    """The session as the dataset carries it: recordings are chosen by what they are called."""
+    """Return the session of the loaded dataset, in which recordings are chosen by their titles."""
     return dataset.settings if isinstance(dataset.settings, Session) else session
 
 
 @contextmanager
 def errors_of(session: Session) -> Iterator[None]:
-    """Within it, errors name files as `pasteable_errors` says, flags as those of their source.
+    """Reword input errors for the terminal: pasteable paths, flags, and values to propose.
 
-    What is missing is proposed.
+    Paths are those of `pasteable_errors`. Missing facts get a proposed value if there is one.
     """
     with pasteable_errors(session.folder, session.sources):
         try:
@@ -117,9 +117,9 @@ def job_on(
     Parameters
     ----------
     session_file
-        None: the job needs no session.
+        Session file, or None if the job needs no session.
     kind, job_of
-        Class of the job's arguments, and the context manager that makes the job of them.
+        Class of the job's arguments, and the context manager that makes the job from them.
     """
     from nvcore.inputs.session_toml import read_session
 
@@ -210,7 +210,7 @@ def check_output_folder(
     Raises
     ------
     InputError
-        If one would be replaced, or the folder cannot be written to.
+        If an input would be replaced, or the folder cannot be written to.
     """
     from nvcore.output.files import check_folder
     from nvcore.report.files import SESSION_FILE
@@ -232,7 +232,7 @@ def say_written(out: Path | None, what: str = "") -> None:
 
 @contextmanager
 def pasteable_errors(folder: Path, sources: Iterable[tuple[Source, Role]]) -> Iterator[None]:
-    """Within it, errors name a file by a path that can be pasted into the terminal."""
+    """Reword input errors to name a file by a path that can be pasted into the terminal."""
     try:
         yield
     except InputError as error:
@@ -247,7 +247,7 @@ def pasteable_errors(folder: Path, sources: Iterable[tuple[Source, Role]]) -> It
 
 
 ShownPath = Callable[[str, str], str]
-"""(``truth`` or a system's name, a file's name) -> a path that can be pasted, else the name."""
+"""Function from (``truth`` or a system's name, file name) to a pasteable path, or else the name."""
 
 
 def shown_paths(
@@ -270,14 +270,14 @@ def shown_paths(
 def findings_shown(
     findings: tuple[Finding, ...], path: ShownPath, compared: Sequence[str | None] = ()
 ) -> tuple[Finding, ...]:
-    """Findings as the terminal shows them: files as `shown_paths` says, with the ways on.
+    """Reword findings for the terminal: files as in `shown_paths`, with suggested fixes.
 
     Parameters
     ----------
     compared
-        Names of X and Y, whose flags are named.
+        Names of X and Y, whose flags the fixes name.
     """
-    letters = reversed([*zip(compared, "xy", strict=False)])  # X, where both are one system
+    letters = reversed([*zip(compared, "xy", strict=False)])  # X wins if both are the same system
     ends = {name: f"-{letter}" for name, letter in letters if name}
     marks = {TRUTH_NAME: "-truth"} | ends if compared else {}
     return tuple(
