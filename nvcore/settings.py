@@ -33,8 +33,9 @@ def operating_point(name: str | None) -> OperatingPoint | None:
 
 
 MIN_FPS: Final = 0.001
+"""Smallest plausible frame rate: a picture every 17 minutes."""
 MAX_FPS: Final = 10_000.0
-"""Largest plausible frame rate, of the fastest cameras. `MIN_FPS` is a picture every 17 minutes."""
+"""Largest plausible frame rate, of the fastest cameras."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,8 +23,9 @@ from nvcore.report.tiles import REACH
 from nvcore.wording import difference, minus
 
 INTERVAL_PX: Final = 56
+"""Height of a measure's row with an interval."""
 WORDS_PX: Final = 48
-"""Height of a measure's row with an interval, and without one."""
+"""Height of a measure's row without an interval."""
 STRIP_PX: Final = (6, 28)
 """Top and bottom of the axis within its row."""
 WORDS_SHARE: Final = 0.47
