@@ -1,4 +1,4 @@
-"""``nvcore alerts``: which detections reach the driver as alerts, and which were worth it."""
+"""``nvcore alerts``: detections that reach the driver as alerts, and how useful these are."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``nvcore detect`` and ``nvcore train``: a detector run over recordings, or trained on them."""
+"""``nvcore detect`` and ``nvcore train``: run a detector over recordings, or train it on them."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ from nvcore.wording import one_line
 if TYPE_CHECKING:
     from nvcore.driver.trials.table import TrainingTable
 
-# Nothing here imports numpy, pandas, OpenCV or scikit-learn: `nvcore --help` need not wait.
+# Nothing here imports numpy, pandas, OpenCV or scikit-learn, to keep `nvcore --help` fast.
 
 LIGHT: Final = "Light"
 _SETTINGS: Final = {
@@ -182,7 +182,7 @@ _JUDGING: Final = (
     ("--display-s", click.FloatRange(0, 60), 0.5, "S", "How long a picture is shown; the "
      "adaptation period ends with it."),
 )  # fmt: skip
-"""Flag, type, default, placeholder of its value and help text."""
+"""Flag, type, default, placeholder of the value and help text."""
 _judging_options = with_options(
     *(
         grouped_option(
