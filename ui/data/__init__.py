@@ -1,1 +1,1 @@
-"""The parts of the Data page."""
+"""Sections of the Data page."""

@@ -32,15 +32,15 @@ from ui.widgets.text import docs_link, number, plain
 
 T = TypeVar("T")
 EXACT_OPEN: Final = "exact_thresholds"
-"""Whether the fields for exact thresholds are unfolded."""
+"""Key of the popover with the fields for exact thresholds."""
 MOST_KEPT: Final = 32
-"""Curves, and points, that are kept."""
+"""Largest number of cached curves, and of cached points."""
 PLOT_PX: Final = 250
-"""Height of a plot, with its heading."""
+"""Height of a plot including its heading."""
 
 
 def draw() -> None:
-    """Choice of X and Y, what their thresholds leave, then one column of plots for each."""
+    """Draw the choice of X and Y, the effect of their thresholds, and a column of plots each."""
     st.header("Compare")
     x, y = state.systems()
     if y is None:
@@ -75,7 +75,7 @@ def _draw_choice(x: str, y: str) -> None:
     """Draw the choice of X, Y and the primary measure."""
     names = list(state.opened().dataset.systems)
     left, middle, right, last = st.columns([4, 2, 4, 5], vertical_alignment="bottom")
-    # the widgets show what is open, however it was changed
+    # the widgets show the open comparison, however it was changed
     store.set_widgets(choice_x=x, choice_y=y)
     left.selectbox("System X", names, key="choice_x", on_change=_choose, args=("x",))
     middle.button(
@@ -128,12 +128,12 @@ def _choose(letter: str) -> None:
 
 
 def _draw_exact(named: Sequence[tuple[str, str]]) -> None:
-    """Fields for values between the steps of the sidebar's sliders, folded away."""
+    """Draw folded fields for thresholds between the steps of the sidebar's sliders."""
     scored = [letter for letter, name in named if state.score_span(name) is not None]
     place = st.popover(
         "Type exact thresholds", disabled=not scored, key=EXACT_OPEN, on_change="rerun"
     )
-    if not place.open:  # a field out of sight would send its old value after others changed it
+    if not place.open:  # a hidden field would send its old value after a change elsewhere
         return
     with place:
         for letter in scored:
@@ -165,7 +165,7 @@ def _draw_lowest(letter: str) -> None:
 
 
 def _points(named: Sequence[tuple[str, str]]) -> pd.DataFrame:
-    """Tabulate what the thresholds leave of X and Y. Names are Markdown."""
+    """Tabulate detections and false alarms of X and Y at their thresholds. Names are Markdown."""
     dataset, params = state.opened().dataset, state.params()
     rows = []
     for letter, name in named:
@@ -196,10 +196,10 @@ def _draw_plots(letter: str, name: str) -> None:
 
 
 def _plots(letter: str, name: str, threshold: float | None) -> tuple[go.Figure, go.Figure]:
-    """Scores of a system, and the false alarms that each threshold leaves."""
+    """Plot the scores of a system, and its false alarms by threshold."""
     dataset, params, theme = state.opened().dataset, state.params(), state.theme()
     shown: dict[str, Any] = {"letter": letter, "name": name, "threshold": threshold, "theme": theme}
-    return state.cached(  # they stay while the rest of the page changes
+    return state.cached(  # reused while the rest of the page changes
         "threshold_plots",
         (letter, name, threshold, params.only_for(MATCH), theme),
         lambda: (
@@ -265,7 +265,7 @@ def _point(
 def _counted(
     count: Callable[..., T], dataset: Dataset, system: str, params: Params, **more: Any
 ) -> T:
-    """Return what `count` makes of a system's false alarms, cached."""
+    """Return the result of `count` for a system's false alarms, cached."""
     matching = params.only_for(MATCH)
 
     @st.spinner("Counting false alarms")

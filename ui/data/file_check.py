@@ -1,4 +1,4 @@
-"""Data page: what chosen files turn out to be, shown before anything is opened."""
+"""Data page: check of chosen files, shown before anything is opened."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ from ui.widgets.text import plain
 
 USUAL_IN_KITTI: Final = ("kitti-tracking", "kitti-object")
 MOST_KEPT: Final = 40
-"""Sources that are remembered, so that files are not read again at every click."""
+"""Largest number of cached checks. The cache avoids reading files at every click."""
 CUT_SHARE: Final = 0.3
-"""Share of a recording's frames with truth that come after its last detection in a cut file. (Our
-choice: the audit looks for less, but knows how near pedestrians are.)"""
+"""Detections end early if this share of a recording's frames with truth comes after the last one.
+(Our choice. The audit uses a smaller share, but knows how near pedestrians are.)"""
 OF_BOX: Final = ["recording", "frame", "x", "y", "w", "h", "score"]
 """Columns by which boxes are compared."""
 
@@ -42,12 +42,25 @@ OF_BOX: Final = ["recording", "frame", "x", "y", "w", "h", "score"]
 class FileCheck:
     """Content of one source, read by itself. It is compared by identity, to serve as a key.
 
-    `trouble` says why it cannot be used, `unknown` which of ``size`` and ``fps`` its files do not
-    say; the `reading` is without its boxes. Without boxes there is no `first_frame`. `doubt` says
-    why the files may belong into another field. `sizes` (px) are those of recordings whose files
-    state none, and whose boxes end at the edge of a picture of KITTI. `frames` has the
-    numbers of frames with boxes by recording, ascending; boxes of the truth that are to be ignored
-    do not count. `boxes` is the number of boxes and their hash, whatever their order.
+    Attributes
+    ----------
+    trouble
+        Reason why the source cannot be used, or "".
+    unknown
+        Facts missing in its files, out of ``size`` and ``fps``.
+    first_frame
+        None without boxes.
+    reading
+        The reading without its boxes.
+    doubt
+        Reason why the files may belong into another field, or "".
+    sizes
+        Sizes (px) of recordings whose files state none, if the boxes end at the edge of a picture
+        of KITTI.
+    frames
+        Ascending numbers of frames with boxes by recording, without ignored boxes of the truth.
+    boxes
+        Number of boxes, and a hash that does not depend on their order.
     """
 
     trouble: str = ""
@@ -76,9 +89,9 @@ def check_files(
     truth: FileCheck | None = None,
     objects: Objects = PEDESTRIAN,
 ) -> FileCheck:
-    """Read a source by itself, once for each key, which covers content and way of reading.
+    """Read a source by itself, cached by a key that covers its content and way of reading.
 
-    Paths of the source start from `folder`. Errors of `key` are the check's trouble. Detections
+    Paths of the source start from `folder`. Errors of `key` become the check's trouble. Detections
     are read with the check of the ground truth.
     """
     known = None if truth is None else truth.reading
@@ -155,7 +168,7 @@ def _check(
 
 
 def _edge_sizes(reading: Reading) -> dict[str, tuple[int, int]]:
-    """Sizes of recordings by the edge at which their boxes end."""
+    """Return sizes of recordings by the edge at which their boxes end, for known edges."""
     names, boxes = reading.recordings["name"].tolist(), reading.boxes
     number = pd.Index(names).get_indexer(pd.Index(boxes["recording"].astype(object)))
     sizes = kitti_sizes(number, (boxes["x"] + boxes["w"]).to_numpy(), len(names))
@@ -202,7 +215,7 @@ def _unknown(reading: Reading) -> frozenset[str]:
 
 
 def _size(truth: Reading | None) -> tuple[int, int] | None:
-    """The size that the ground truth states for all recordings."""
+    """Return the size that the ground truth states for all recordings, or None."""
     if truth is None:
         return None
     sizes = truth.recordings[["width", "height"]].dropna().drop_duplicates().to_numpy()

@@ -1,4 +1,4 @@
-"""Data page: the form over the files of a session, to open them or to change what is open."""
+"""Data page: the form for a session's files, to open them or to change the open session."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ PURPOSE_HELP: Final = (
 )
 MOST_SYSTEMS: Final = 20
 READING: Final = tuple(spec.name for spec in fields(Source) if spec.name != "path")
-"""Fields of a source that say how to read its files."""
+"""Fields of a source with settings for reading its files."""
 FILES_HELP: Final = (
     "One file, one file for each recording, or a folder (as a ZIP archive where it is sent). Any "
     "format that the command line reads, also packed (`.gz`, `.zst`, `.xz`, `.bz2`). Where all "
@@ -126,7 +126,7 @@ def draw_form(place: Place) -> None:
 
 
 def _beginnings(labels: Iterable[str]) -> str:
-    """List labels without what they say in brackets."""
+    """List labels without their texts in brackets."""
     return listed([label.partition(" (")[0].lower() for label in labels])
 
 
@@ -163,9 +163,9 @@ class _Fields:
         Parameters
         ----------
         now
-            The source that is open.
+            Source in the open session.
         truth
-            Reads the ground truth, only if a system has files: that takes long.
+            Reads the ground truth. It takes long, and is called only if a system has files.
         """
         label = "Ground truth" if role == "truth" else f"Detections of {plain(title)}"
         left, right = st.columns([1, 3])
@@ -190,9 +190,9 @@ class _Fields:
     def _draw_rare(
         self, name: str, title: str, role: Role, now: Source | None
     ) -> tuple[dict[str, Any], dict[str, Chosen]]:
-        """Draw how to read a source, and its further files. Return both.
+        """Draw the settings for reading a source, and its further files. Return both.
 
-        Files that are added are read as those that are there.
+        Added files are read like the existing ones.
         """
         labels = labelled_paths(SystemSource) if role == "detections" else {}
         reading = {} if now is None else {key: getattr(now, key) for key in READING}
@@ -325,7 +325,7 @@ class _Fields:
 
 
 def _by_name(chosen: Chosen, recordings: Sequence[str]) -> dict[str, Path]:
-    """Return a file for each recording, by its name."""
+    """Return a file for each recording, matched by name."""
     if chosen.trouble:
         st.error(plain(chosen.trouble), icon=":material/error:")
     whose = guess_pictures(recordings, chosen.paths)
@@ -341,7 +341,7 @@ def _by_name(chosen: Chosen, recordings: Sequence[str]) -> dict[str, Path]:
 def _ask(
     place: str, sources: Sequence[SourceField], table: RecordingsTable, pictures: ChosenPictures
 ) -> tuple[MissingInputs, TypedRecordings]:
-    """Ask what the files leave open, of all recordings and of each."""
+    """Ask for facts that the files lack, for all recordings and for each."""
     checks = [source.check or FileCheck() for source in sources]
     first = checks[0]
     unknown = {name for check in checks for name in check.unknown} - table.known(first.recordings)

@@ -1,4 +1,4 @@
-"""Data page: the session that the form describes, new or changed."""
+"""Data page: the new or changed session that the form describes."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Chosen:
     folder
         Folder that the paths start from.
     known_as
-        Paths as the person knows them.
+        Paths as shown to the visitor.
     content
         Changes when the files do.
     """
@@ -95,7 +95,7 @@ class Place(Protocol):
     name
         Name of the form, with which the keys of its widgets begin.
     label
-        Name of what is opened.
+        Name of the session on the pages.
     """
 
     name: str
@@ -162,7 +162,7 @@ class SourceField:
 
     @property
     def stated(self) -> dict[str, Any]:
-        """The reading without what is left to the files."""
+        """Settings for reading the files, without those left to the files (None)."""
         return {name: value for name, value in self.reading.items() if value is not None}
 
 
@@ -239,7 +239,7 @@ class Form:
         return with_recording_name(session, names, self.recording)
 
     def _changed(self, opened: Opened) -> Session:
-        """Return the open session with what was chosen."""
+        """Return the open session with the choices of the form."""
         self._refuse_wrong()
         session = state.live_session()
         names, folder = opened.whole.recordings["name"].tolist(), session.folder
@@ -365,7 +365,7 @@ class Form:
 
     @property
     def words(self) -> str:
-        """Message after opening: names of what was added or replaced."""
+        """Message after opening: names of added or replaced inputs."""
         if self.opened is None:
             return ""
         n_open = len(self.opened.whole.systems)
@@ -485,9 +485,9 @@ def titles_by_name(opened: Opened) -> dict[str, str]:
 
 
 def joined(source: Source, new: SourceField, folder: Path, purpose: Purpose) -> Any:
-    """Return the source with a field's files added or put in the place of its own.
+    """Return the source with a field's files added, or replacing its own.
 
-    Of several files those with the names of the new ones are replaced, if all have such a name.
+    If the source has several files, and each new file has the name of one, only these are replaced.
     """
     if new.chosen.is_empty:
         return source
@@ -504,9 +504,9 @@ def joined(source: Source, new: SourceField, folder: Path, purpose: Purpose) -> 
 
 
 def _n_boxes(dataset: Dataset, called: Mapping[str, str]) -> dict[tuple[str, str], int]:
-    """Count boxes by source and recording, of those that have some.
+    """Count boxes by source and recording, without empty entries.
 
-    Recordings are named by what they are `called`.
+    `called` maps recordings to the names in the result.
     """
     names = [called[name] for name in dataset.recordings["name"]]
     sources = {name: dataset.system(name) for name in dataset.systems}
@@ -537,7 +537,7 @@ def _path_in(folder: Path, path: Path) -> str:
 
 
 def _stated(row: RecordingEntry) -> dict[str, Any]:
-    """Return what a row of a table of recordings says, without the files that it names."""
+    """Return the facts in a row of a table of recordings, without the files that it names."""
     row = replace(with_paths_in(row, lambda _: None), frames=None)
     names = [spec.name for spec in dataclass_fields(row) if spec.name != "name"]
     values = {name: getattr(row, name) for name in names}

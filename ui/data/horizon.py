@@ -1,4 +1,4 @@
-"""Data page: the horizon of recordings that do not state it, estimated, to be taken over."""
+"""Data page: estimated horizons of recordings that do not state theirs, for adoption."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
 
 MOST_SHOWN: Final = 10
-"""Recordings that are named with their estimate."""
+"""Largest number of recordings named with their estimate."""
 
 
 def draw() -> None:
-    """Estimates for the recordings that are open, and the button that takes them over."""
+    """Draw estimates for the open recordings, and the button that adopts them."""
     whole = state.opened().whole
     n_open = int(whole.recordings["horizon"].isna().sum())
     if not n_open:

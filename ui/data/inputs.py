@@ -1,4 +1,4 @@
-"""Data page: the inputs as they were read, recordings and their pictures."""
+"""Data page: inputs as they were read, recordings and their pictures."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _OLD_NAME: Final = re.compile(
     r"\b(the (?:only|truth's only) recording),? (?:'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\")"
 )
 MOST_TROUBLES: Final = 5
-"""Pictures that cannot be opened and are named."""
+"""Largest number of named pictures that cannot be opened."""
 IMAGES: Final = "single pictures sent"
 
 
 def draw() -> None:
-    """Inputs, recordings and notes of the open comparison."""
+    """Draw inputs, recordings and notes of the open comparison."""
     space, dataset = state.workspace(), state.opened().dataset
     st.header("What was read")
     st.table(_inputs(dataset), width="stretch", hide_index=True)
@@ -57,14 +57,14 @@ def draw() -> None:
     with st.expander(
         "Recordings: names, sizes, frame rates, speeds, traffic, tags and pictures",
         key="recordings",
-        on_change="rerun",  # then it stays unfolded when its table is applied
+        on_change="rerun",  # so it stays unfolded when its table is applied
     ):
         recordings.draw_open(*_all_pictures(space), notes)
     horizon.draw()
 
 
 def _draw_picture_troubles(space: Workspace) -> None:
-    """Pictures that cannot be opened."""
+    """Draw a warning about pictures that cannot be opened."""
     own = space.pictures
     troubles = {row: note for row, note in own.notes.items() if row not in own.sources}
     if not troubles:
@@ -112,7 +112,7 @@ def files_text(source: Mapping[Hashable, Any]) -> str:
 
 
 def _without_old_name(conversion: str) -> str:
-    """The text without the file's own name for the only recording, which the next table shows.
+    """Remove the file's own name for the only recording, which the next table shows.
 
     Examples
     --------
@@ -146,7 +146,7 @@ def _all_pictures(space: Workspace) -> tuple[dict[str, str | None], dict[str, st
 
 
 def sent_pictures(space: Workspace) -> dict[str, Path]:
-    """Videos, archives and the folder of single pictures sent in this form, by label."""
+    """Return videos, archives and the folder of single pictures sent in this form, by label."""
     stored = [file for file in list(space.stored.values()) if file.form == space.form]
     n_images = sum(file.kind == "image" for file in stored)
     return {

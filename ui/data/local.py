@@ -33,7 +33,7 @@ _session_changed = partial(forget_outcome, SESSION)
 
 @dataclass
 class LocalFiles:
-    """Files and folders below the local root, of which one folder is listed."""
+    """Files and folders below the local root. One folder is listed at a time."""
 
     root: LocalRoot
     entries: Sequence[Entry]
@@ -72,7 +72,7 @@ class LocalFiles:
     def content(self, chosen: Chosen, source: Source, role: Role) -> Hashable:
         """Return a key that changes when a file does: a folder does not when one in it is edited.
 
-        It includes what is read with the files: seqinfo.ini beside those of MOTChallenge or up to
+        It includes files that are read along: seqinfo.ini beside those of MOTChallenge or up to
         two folders above.
         """
         check_confined(Session(chosen.folder, source, ()), chosen.folder)
@@ -107,7 +107,7 @@ class LocalFiles:
 
 
 def draw(root: LocalRoot) -> None:
-    """Draw a folder to look into, and what to take from it."""
+    """Draw a folder to browse, and the form for the files taken from it."""
     path = store.LOCAL_FOLDER.get()
     try:
         entries = root.entries(path)

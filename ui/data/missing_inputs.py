@@ -26,7 +26,7 @@ from ui.session.opening import checked_frames
 from ui.widgets.text import plain
 
 MOST_CHECKS: Final = 256
-"""Pictures that are remembered: a long video takes time to open."""
+"""Largest number of cached checks of pictures. A long video takes time to open."""
 MAX_SIZE_PX: Final = 100_000
 AS_USUAL: Final = "as usual for the format"
 READING: Final[Mapping[str, tuple[str, Mapping[str, Any]]]] = {
@@ -59,12 +59,12 @@ READING: Final[Mapping[str, tuple[str, Mapping[str, Any]]]] = {
         {"by what they look like": None, **{way: way for way in FRAME_NAMES}},
     ),
 }
-"""Labels and options of the choices how to read files, by field of a `Source`."""
+"""Labels and options of the choices for reading files, by field of a `Source`."""
 
 
 @dataclass(frozen=True)
 class MissingInputs:
-    """Inputs that a person gave for all recordings. None: the files state it."""
+    """Facts that a visitor entered for all recordings. None: the files state them."""
 
     size: tuple[int, int] | None = None
     fps: float | None = None
@@ -72,7 +72,7 @@ class MissingInputs:
 
     @property
     def of_recording(self) -> dict[str, Any]:
-        """The inputs as fields of a recording's entry.
+        """Entered facts as fields of a recording's entry.
 
         Raises
         ------
@@ -107,10 +107,10 @@ def ask_for_missing(
     format_name: str = "",
     sizes: Mapping[str, tuple[int, int]] | None = None,
 ) -> MissingInputs:
-    """Fields for what the files do not say (`unknown`, or missing when last opened), if any.
+    """Draw fields for facts that the files lack (`unknown`, or missing when last opened).
 
-    Size and frame rate of the pictures are proposed, else the `sizes` that boxes point to by
-    recording, else those that are usual for the format of the ground truth.
+    Proposals are size and frame rate of the pictures, or else the `sizes` by recording to which
+    boxes point, or else the usual values of the ground truth's format.
     """
     trouble = store.TROUBLES.of(place).get()
     lacking = store.ASKED_FACTS.of(place)
@@ -141,7 +141,7 @@ def ask_for_missing(
 
 
 def _by_the_edges(usual: UsualInputs, sizes: Mapping[str, tuple[int, int]]) -> UsualInputs:
-    """The size at which most recordings' boxes end, in place of the usual one."""
+    """Replace the usual size by the one at which most recordings' boxes end."""
     most = Counter(sizes.values()).most_common(1)[0][0]
     others = {name: size for name, size in sizes.items() if size != most}
     note = "The size at whose right edge the boxes end."
@@ -183,7 +183,7 @@ def _draw_size(
 
 
 def _is_typed(name: str, proposed: float | None) -> bool:
-    """Whether a person changed the proposal. Typed values outlast later proposals."""
+    """Whether the visitor changed the proposal. Typed values outlast later proposals."""
     return store.widget(f"{name}_{proposed}").get() not in (None, proposed)
 
 
@@ -218,7 +218,7 @@ def _draw_rate(place: str, of_pictures: float | None, usual: UsualInputs | None)
 
 
 def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str, Any]:
-    """Fields of `nvcore.inputs.session.Source` that are rarely needed."""
+    """Draw the fields of `nvcore.inputs.session.Source` that are rarely needed."""
     formats = {form.title: form.name for form in FORMATS if role in form.roles}
     choices = {"format": ("Format", {"by the content": None} | formats), **READING}
     reading: dict[str, Any] = {
@@ -246,9 +246,9 @@ class PictureCheck:
 
 
 def check_pictures(path: Path) -> PictureCheck:
-    """Open pictures to see what they are, unless that was done before and the file is the same.
+    """Open pictures to check them, cached by the file's size and time of change.
 
-    A folder with trouble is opened again: it does not change when a picture in it is replaced.
+    A folder with trouble is opened again, since replacing a picture does not change its time.
     """
     try:
         status = path.stat()

@@ -28,8 +28,8 @@ def proposed_names(
 ) -> list[str]:
     """Propose names of systems from their paths, or numbers if a path says nothing.
 
-    What the ground truth, its recordings and their pictures are called is no system's name. The
-    number of the `first` system is given.
+    Names of the ground truth, its recordings and their pictures are not used for systems. `first`
+    is the number of the first system.
 
     Examples
     --------
@@ -49,7 +49,7 @@ def proposed_names(
 
 
 def draw_name(label: str, proposed: str, *, key: str, changed: Callable[[], None]) -> str:
-    """A field that shows the proposed name until a person types another."""
+    """Draw a field for a name, which shows the proposed one until the visitor types another."""
     field, last_proposal = store.widget(key, ""), store.PROPOSED_NAMES.of(key)
     if field.get() in ("", last_proposal.get()):
         field.set(proposed)
@@ -67,7 +67,7 @@ def draw_recording(
 ) -> str:
     """Draw the field for the name of the only recording. Return "" for none or several.
 
-    Where its file is only called ``gt`` or the like, the pictures propose the name.
+    If its file has a generic name such as ``gt``, the pictures propose the name.
     """
     if len(recordings) != 1:
         return ""
@@ -82,7 +82,7 @@ def draw_recording(
 
 
 def with_recording_name(session: Session, recordings: Sequence[str], name: str) -> Session:
-    """The session with this name for its only recording."""
+    """Return the session with this name for its only recording."""
     if len(recordings) != 1 or not name or name == recordings[0]:
         return session
     entry = next(iter(session.recordings), RecordingEntry(name))

@@ -24,18 +24,18 @@ _SEE: Final = "see_opened"
 WAYS: Final = "Open your own files or another comparison"
 """Label of the box with all ways to open something."""
 SESSION: Final = "session"
-"""The part of the page that changes the open comparison, rather than opening another."""
+"""Part of the page that changes the open comparison instead of opening another."""
 MISSING_WORDS: Final = {
     "size": "the image size",
     "fps": "the frame rate",
     "frames": "which frames are evaluated",
 }
-"""What `MissingFactError` says is missing, in words."""
+"""Missing facts of a `MissingFactError` in words."""
 _TO_TOP = st.components.v2.component(
     "nvcore_to_top",
     js=read_script(Path(__file__).with_name("to_top.js")),
 )
-"""Scrolls to the top of the page: the buttons that open something are far below."""
+"""Component that scrolls to the top, since the buttons that open something are far below."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def try_to_open(
     check
         Called with the data before they are shown. Its errors are treated like those of files.
     words
-        What was changed, for the message after opening.
+        Description of the changes, for the message after opening.
     field_of
         Returns the title of the field with a file, for its errors, or "".
     """
@@ -87,7 +87,7 @@ def try_to_open(
 def new_place(draw: Callable[[], None]) -> DeltaGenerator:
     """Return a place for a part of the page, emptied if another comparison is open now.
 
-    Otherwise what was there would stay in sight under the new heading until it is replaced.
+    Otherwise its old content would stay visible under the new heading until it is replaced.
     """
     drawn, n_opened = store.OPENING_DRAWN.of(draw.__module__), state.workspace().n_opened
     is_other = drawn.get() not in (None, n_opened)
@@ -102,19 +102,19 @@ def forget_outcome(place: str) -> None:
 
 
 def has_trouble() -> bool:
-    """Whether something could not be opened, and the choice that made trouble is as it was."""
+    """Whether something could not be opened, and the choice that failed is unchanged."""
     return any(known != store.TROUBLES.of(SESSION) for known in store.TROUBLES.known())
 
 
 def _opened() -> tuple[str, str] | None:
-    """Part of the page in which something was opened since, and what it is called."""
+    """Return the part of the page that opened the open comparison, and its label, or None."""
     place, label, n_before = store.LAST_OPENED.get()
     is_open = place and state.workspace().n_opened > n_before
     return (place, label) if is_open else None
 
 
 def draw_outcome() -> None:
-    """At the top of the page: what was opened, or could not be and is not what the page shows."""
+    """Draw at the top of the page what was opened, or what failed and thus is not shown."""
     troubles = store.TROUBLES.known()
     opened = _opened()
     if opened is not None:
@@ -159,7 +159,7 @@ def _draw_opened(label: str) -> None:
 
 
 def ask_for_change() -> None:
-    """Unfold the form with the fields to add something to what is open, and scroll to it."""
+    """Unfold the form that adds something to the open comparison, and scroll to it."""
     store.WAYS_OPEN.set(True)
     store.FORM_PURPOSE.of("upload").set("add")
     store.SCROLLS.set(True)
@@ -172,7 +172,7 @@ def scroll_if_asked() -> None:
 
 
 def draw_trouble(place: str) -> None:
-    """Draw why something could not be opened, or once that it was changed."""
+    """Draw why something could not be opened, or once the message after a change."""
     opened_in, label = _opened() or ("", "")
     if opened_in == place == SESSION:
         store.LAST_OPENED.pop()

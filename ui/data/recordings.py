@@ -224,7 +224,7 @@ def changes_in(
     Raises
     ------
     InputError
-        If a value is not possible; with the recording.
+        If a value is invalid, with the recording.
     """
     changes: dict[str, dict[str, Any]] = {}
     rows = zip(before.to_dict("records"), after.to_dict("records"), strict=True)
@@ -293,18 +293,18 @@ class TypedRecordings:
 def draw_before_opening(
     place: str, truth: FileCheck, rows: Mapping[str, RecordingEntry], facts: MissingInputs
 ) -> TypedRecordings:
-    """Draw the table of several recordings of which the files do not say all.
+    """Draw a table to complete the facts about several recordings.
 
     Parameters
     ----------
     place
         Part of the page.
     truth
-        What the files of the ground truth are.
+        Check of the ground truth's files.
     rows
-        Of a table of recordings that was sent.
+        Rows of the table of recordings that was sent, if any.
     facts
-        What was filled in for all of them.
+        Facts that were entered for all recordings.
     """
     if truth.reading is None or len(truth.recordings) < 2:
         return TypedRecordings()
@@ -328,7 +328,7 @@ def _proposed(
     facts: MissingInputs,
     sizes: Mapping[str, tuple[int, int]],
 ) -> pd.DataFrame:
-    """Propose for each recording its row in the table sent, else its files, its edge, or all's."""
+    """Propose facts by recording: from the sent table, else files, edges, or the common facts."""
     names = truth.recordings["name"].tolist()
     table = rows_of([replace(rows.get(name, RecordingEntry(name)), name=name) for name in names])
     width, height = facts.size or (None, None)
@@ -342,7 +342,7 @@ def _proposed(
 def draw_open(
     choices: Mapping[str, str | None], labels: Mapping[str, str], notes: Mapping[str, str]
 ) -> None:
-    """Draw the table of the open recordings, and the button that applies what was changed in it.
+    """Draw the table of the open recordings, and the button that applies changes in it.
 
     Parameters
     ----------
@@ -351,7 +351,7 @@ def draw_open(
     labels
         Label of the pictures of each recording that has some.
     notes
-        By which rule the pictures of a recording show its frames, or why there are none.
+        Rule that assigns a recording's pictures to its frames, or why there are none.
     """
     opened = state.opened()
     before = editable(opened.whole, opened.session, labels)
@@ -388,7 +388,7 @@ def draw_open(
 
 
 def _draw_words(whole: Dataset) -> None:
-    """Draw what the table is for, and which traffic context holds."""
+    """Draw the purpose of the table, and the traffic context in use."""
     st.caption(
         "Click a cell to change it, then apply the table. Drag the corner of a cell to repeat it "
         "below; paste cells from a spreadsheet. Sizes and rates that the files state need no "
@@ -427,7 +427,7 @@ def draw_names_changed() -> None:
 
 
 def draw_systems() -> None:
-    """A field for the name of each system, and the button that uses them."""
+    """Draw a field for the name of each system, and the button that applies them."""
     names = state.opened().whole.systems
     version = f"{state.workspace().n_opened}_{store.N_NAME_CHANGES.get()}"
     with st.form(f"system_names_{version}", border=False):
@@ -490,9 +490,9 @@ def use_names(systems: Mapping[str, str], changes: Mapping[str, Mapping[str, Any
 
 
 def _tagged(session: Session, whole: Dataset, changes: Mapping[str, Mapping[str, Any]]) -> Session:
-    """Return the session with these tags, chosen only if a recording still has them.
+    """Return the session with changed tags of recordings.
 
-    Of the recordings that the session compares, if it names some.
+    Its filter by tags is dropped if none of its compared recordings matches it any more.
     """
     names, tags = whole.recordings["name"].tolist(), whole.recordings["tags"]
     is_left = any(

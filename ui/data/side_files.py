@@ -51,15 +51,15 @@ FRAMES_HELP: Final = (
     "from the first to the last annotated one is evaluated, or every n-th where they lie regularly."
 )
 MOST_BYTES: Final = 100 << 20
-"""Ten million frames with numbers of eight digits."""
+"""Size limit of a list: ten million frames with numbers of eight digits."""
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class RecordingsTable:
-    """A table of recordings, by its path as a session names it, and its rows by recording.
+    """Table of recordings: its path as a session names it, and its rows by recording.
 
-    Without a path there is none, or it cannot be used for the reason that `trouble` gives.
+    The path is None if there is no table, or if it cannot be used. `trouble` is the reason.
     """
 
     path: str | None = None
@@ -69,14 +69,14 @@ class RecordingsTable:
 
     @property
     def file(self) -> RecordingsFile | None:
-        """The table as a session names it."""
+        """Table as a session names it."""
         return None if self.path is None else RecordingsFile(self.path)
 
     def known(self, recordings: Iterable[str]) -> set[str]:
-        """Return those of ``size`` and ``fps`` that it states for all recordings."""
+        """Return the facts (``size``, ``fps``) that the table states for all recordings."""
         names = list(recordings) or list(self.entries)
         rows = [self.entries.get(name, RecordingEntry(name)) for name in names]
-        if len(names) == len(self.entries) == 1:  # whatever it is called
+        if len(names) == len(self.entries) == 1:  # whatever its name
             rows = list(self.entries.values())
         is_known = {
             "size": all(row.width is not None and row.height is not None for row in rows),
@@ -87,7 +87,7 @@ class RecordingsTable:
 
 @dataclass(frozen=True)
 class FrameList:
-    """A list of evaluated frames. Its path is None if it cannot be used."""
+    """List of evaluated frames. Its path is None if it cannot be used."""
 
     path: str | None = None
     summary: str = ""
@@ -106,12 +106,12 @@ class ChosenPictures:
 def _read(
     chosen: Chosen, read: Callable[[str], T], expected: str, most_bytes: float = np.inf
 ) -> T | str:
-    """Read a small file, unless it was read and has not changed. Return why it cannot be used.
+    """Read a small file, cached until it changes. Return a text if it cannot be used.
 
     Parameters
     ----------
     expected
-        The reason for what is no file, or larger than `most_bytes`.
+        Expectation to report if it is not a file, or is larger than `most_bytes`.
     """
     if chosen.trouble:
         return chosen.trouble
@@ -142,7 +142,7 @@ def draw_recordings(
     Parameters
     ----------
     recordings
-        Of the ground truth, if it is known: the table may have no others.
+        Recordings of the ground truth, if known. The table may not have others.
     pictures
         Names of the pictures that were chosen.
     """

@@ -39,7 +39,7 @@ _OPENED: Final = "upload_opened"
 
 @dataclass(frozen=True)
 class OpenedFrom:
-    """Section of the form that files were opened from last, its fields with files, and theirs."""
+    """Section of the form from which files were last opened, with its fields and their files."""
 
     section: str
     keys: tuple[str, ...]
@@ -63,9 +63,9 @@ class Uploads:
         return [file for files in self.files.values() for file in files]
 
     def begin(self, section: str) -> None:
-        """Begin a section, with a new form if what was opened from the last one is gone from it.
+        """Begin a section. Begin a new form if the files opened last are no longer in their fields.
 
-        That is known before a field is drawn: a field that is drawn anew loses its files.
+        This must happen before any field is drawn, because a redrawn field loses its files.
         """
         self.section = section
         opened: OpenedFrom | None = self.space.notes.get(_OPENED)
@@ -122,7 +122,7 @@ class Uploads:
         return Chosen(folder, paths, known_as=known_as, content=_ids(files))
 
     def content(self, chosen: Chosen, _source: Source, _role: Role) -> Hashable:
-        """Identify the content of a field's files."""
+        """Return a key that identifies the content of a field's files."""
         return chosen.content
 
     def choose_pictures(self) -> tuple[dict[str, Path], list[str]]:
@@ -169,7 +169,7 @@ def draw() -> None:
 
 
 def _ids(files: Sequence[UploadedFile]) -> tuple[str, ...]:
-    """Identify the content of files."""
+    """Return keys that identify the content of files."""
     return tuple(file.file_id for file in files)
 
 
@@ -187,7 +187,7 @@ def _empty(space: Workspace) -> None:
 
 
 def _tell_lost(uploads: Uploads) -> None:
-    """Say which chosen files a reload has dropped: browsers do not give them back."""
+    """Name the chosen files that a reload has dropped, since browsers do not restore them."""
     notes, files = uploads.space.notes, uploads.all_files
     if files:
         store.UPLOAD_CHOSEN.set(True)

@@ -1,1 +1,1 @@
-"""Data page: what the audit found, and all that each finding concerns."""
+"""Data page: findings of the audit, and the cases of each finding."""

@@ -1,4 +1,4 @@
-"""Data page: the full list of what a finding concerns, each entry one click from its frame."""
+"""Data page: the full list of a finding's cases, with a click from each entry to its frame."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ NOUNS: Final = {
     "recordings": ("recording", "recordings"),
     "left_out": ("row", "rows"),
 }
-"""What the cases of a finding are, by their table; one frame of each recording stands for that."""
+"""Nouns for the cases of a finding, by table. Frames are recordings if each has only one."""
 COLUMNS: Final = {
     "seen": TableColumn("Seen", "Looked at in this tab."),
     "recording": TableColumn("Recording", is_head=True),
@@ -46,12 +46,12 @@ COLUMNS: Final = {
 
 
 def is_open(finding: Finding) -> bool:
-    """Whether the list of this finding is on the page."""
+    """Whether the list of this finding is shown."""
     return store.OPEN_ENTRIES.get() == review.finding_key(finding)
 
 
 def draw(finding: Finding, number: int) -> None:
-    """Draw the button that opens the list, and the list."""
+    """Draw the button that opens or closes the list, and the open list."""
     cases = finding.cases
     if cases is None or not len(cases):
         return
@@ -101,7 +101,7 @@ def _draw_list(finding: Finding, cases: Cases) -> None:
 
 
 def _go(finding: Finding, row: int, _column: str) -> None:
-    """Walk through the list on the Timeline, from the row that was clicked."""
+    """View the list on the Timeline, starting with the clicked row."""
     if review.begin(finding, row):
         ask_for_page("timeline")
     else:

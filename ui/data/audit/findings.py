@@ -38,7 +38,7 @@ KINDS: Final = {
     Severity.NOTE: ("remark to look at", "remarks to look at"),
 }
 MOST_SHOWN: Final = 4
-"""Errors and warnings that stand open, or else one remark; the rest is folded."""
+"""Largest number of errors and warnings shown unfolded. Without any, a remark is shown."""
 
 
 def draw() -> None:
