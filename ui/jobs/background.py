@@ -46,15 +46,15 @@ class BackgroundJob(Generic[Output]):
     Attributes
     ----------
     key
-        Inputs of the work, by which a page checks whether it is current; None: not checked.
+        Inputs of the work, with which a page checks that the job is current. None: not checked.
     folder, title
-        Folder that the work writes to, if any, and how pages call the work.
+        Folder that the work writes to, if any, and title of the work on pages.
     is_kept
         True if the folder outlasts the job, since the session has opened its files.
     share, step
-        Share of the work that is done, 0..1, and in words.
+        Completed share of the work, 0..1, and its step in words.
     output, error
-        Return value of the work once it is done, or why it failed.
+        Return value of the finished work, or the reason of its failure.
     is_told
         True once its page has shown the outcome.
     outlasts
@@ -142,7 +142,7 @@ class BackgroundJob(Generic[Output]):
         except CancelledError:
             state = JobState.CANCELLED
         except NvcoreError as error:
-            # its frames would keep what the work has loaded
+            # its frames would keep alive what the work has loaded
             error.__traceback__ = error.__cause__ = error.__context__ = None
             self.error = error
         finally:

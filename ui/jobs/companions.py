@@ -16,7 +16,7 @@ from ui.session.results import cached_miss_rate, comparison_key
 
 RUN: Final = PageRun[Companions]("companions", "comparison at equal false alarms", "Comparing")
 QUICK_BOXES: Final = 50_000
-"""Number of boxes up to which it takes a fraction of a second and is done at once."""
+"""Number of boxes up to which they are computed at once, in a fraction of a second."""
 
 
 def is_quick(result: Result) -> bool:

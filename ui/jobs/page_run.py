@@ -32,7 +32,7 @@ class PageRun(Generic[Output]):
     thing, doing
         Its output in words ("report"), and the beginning of its progress ("Making {title}").
     folder
-        Beginning of the name of the folder for its files; empty: it writes none.
+        Beginning of the name of the folder for its files. Empty: it writes none.
     outlasts
         True if its output stays useful when the same recordings are read again.
     has_time_left
@@ -48,7 +48,7 @@ class PageRun(Generic[Output]):
 
     @property
     def job(self) -> BackgroundJob[Output] | None:
-        """The newest run of this session, under way or ended."""
+        """Newest run of this session, running or ended."""
         job: BackgroundJob[Output] | None = state.workspace().job(self.name)
         return job
 
@@ -154,7 +154,7 @@ def named_in(session: Session, path: Path) -> str:
 
 
 def dataset_of(names: Collection[str]) -> Dataset:
-    """Return these recordings of what is open, with the live session as settings."""
+    """Return these recordings of the open comparison, with the live session as settings."""
     dataset = state.opened().dataset.with_settings(state.live_session())
     return dataset if {*names} == {*state.recording_names()} else dataset.only(names=names)
 
@@ -172,7 +172,7 @@ def open_written(space: Workspace, job: BackgroundJob[Any], opens: Callable[[], 
     assert job.folder is not None
     try:
         count_folder(space, job.folder)
-        job.is_kept = True  # else its files are removed with the previous session
+        job.is_kept = True  # otherwise its files are removed with the previous session
         opens()
     finally:  # `opens` ends the page's run by an exception, too
         job.is_kept = space.opened is not before
