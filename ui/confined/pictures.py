@@ -16,7 +16,7 @@ from ui.confined.process import Allowance, Process
 T = TypeVar("T")
 
 ALLOWANCE: Final = Allowance(memory_mb=1500, seconds=60.0)
-"""Limits for opening a video of an hour, unless all of it is decoded, or for reading a picture."""
+"""Limits for opening a video of an hour without decoding all of it, or for reading a picture."""
 FACTS: Final = tuple(Pictures.__annotations__)
 
 
@@ -35,7 +35,7 @@ class PictureProcess(Process):
         Raises
         ------
         MediaError
-            As `open_pictures`, or if opening exceeds the allowance.
+            As in `open_pictures`, or if opening exceeds the allowance.
         """
         return ConfinedPictures(self, path, self.call(_open, path, what=f"opening {path.name}"))
 
@@ -53,7 +53,7 @@ class ConfinedPictures(Pictures):
     """Pictures that another process decodes when asked."""
 
     def __init__(self, process: PictureProcess, path: Path, facts: dict[str, Any]) -> None:
-        """Pictures that the process has opened, with their `FACTS`."""
+        """Represent pictures that the process has opened, with their `FACTS`."""
         self._process, self._path = process, path
         vars(self).update(facts)
 

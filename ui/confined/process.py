@@ -33,7 +33,7 @@ NEEDED: Final = frozenset((
     "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "COVERAGE_PROCESS_START",
 ))  # fmt: skip
 NEEDED_STARTS: Final = ("LC_", "PYTHON", "NUMBA_", "OMP_", "OPENBLAS_", "MKL_", "OPENCV_")
-"""Prefixes of further environment variables that the processes inherit, beside `NEEDED`."""
+"""Prefixes of environment variables that the processes inherit besides `NEEDED`."""
 
 _turns = threading.BoundedSemaphore(MOST_CALLS)
 

@@ -1,4 +1,4 @@
-"""Annotation files, read in a process of their own.
+"""Reading of annotation files in a process of their own.
 
 Each function raises InputError if reading exceeds the server's limits on memory or time, and the
 errors of the function that it runs.
@@ -72,7 +72,7 @@ find_confined = _confined(_find)
 """Runs `nvcore.inputs.files.find_files`, which looks into the files."""
 frames_confined = _confined(parse_frames)
 session_confined = _confined(read_session, "reading the session file", is_small=True)
-"""Keys of thousands of parts take long."""
+"""Confined because parsing keys of thousands of parts takes long."""
 recordings_confined = _confined(read_recordings_file, OF_TABLE, is_small=True)
 with_codes_confined = _confined(with_codes, "reading the codes", is_small=True)
 
