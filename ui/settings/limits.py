@@ -57,7 +57,7 @@ class Limits:
         Parameters
         ----------
         system
-            Root of the system whose memory counts; see `nvcore.memory.free_bytes`.
+            Root of the system whose memory counts (see `nvcore.memory.free_bytes`).
         """
         if self.max_uploads_mb is not None:
             return self.max_uploads_mb * MEBI

@@ -2,7 +2,7 @@
 
 ``nvcore app night/session.toml`` passes ``--session night/session.toml``, which every visitor
 starts with instead of the sample recordings. The person who starts the app may name any file, and
-files named by the session are opened wherever they are: everybody who can open the app sees them.
+files named by the session are opened wherever they are. Everybody who can open the app sees them.
 """
 
 from __future__ import annotations
