@@ -49,7 +49,7 @@ class OwnPages:
         own_names()  # cached now, so that no request has to wait for it
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """ASGI."""
+        """Handle an ASGI connection."""
         if scope["type"] not in ("http", "websocket") or scope["path"] == self._health:
             await self.app(scope, receive, send)
             return
@@ -86,7 +86,7 @@ class Gate:
         self._public = {f"{self._base}{path}" for path in paths}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """ASGI."""
+        """Handle an ASGI connection."""
         settings = self._login
         if settings is None or scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)

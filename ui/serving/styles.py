@@ -44,7 +44,7 @@ class StyledPages:
         self._page = page_with(styles())
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """ASGI."""
+        """Handle an ASGI connection."""
         name = str(scope.get("path", "")).removeprefix(self._base).strip("/")
         if scope["type"] != "http" or name.partition("/")[0] in FILES:
             await self.app(scope, receive, send)

@@ -61,7 +61,7 @@ class VisitorLimits:
         self._pending_bytes: Counter[str] = Counter()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """ASGI."""
+        """Handle an ASGI connection."""
         path = str(scope.get("path", ""))
         if scope["type"] == "websocket" and path.endswith(STREAM):
             await self._visit(scope, receive, send)

@@ -172,7 +172,7 @@ def base_folder() -> Path:
         return folder
     folder = parent / f"nvcore-uploads-{os.getuid()}"
     if not make_private(folder):
-        # made by someone else, who could read the files in it
+        # another user made it, and could read the files in it
         return Path(tempfile.mkdtemp(prefix="nvcore-uploads-", dir=parent))
     return folder
 

@@ -121,7 +121,7 @@ def can_pack(result: Result) -> bool:
 
 
 def has_mixed_scores(result: Result) -> bool:
-    """Whether only some detections of X or Y have a score: a threshold then changes the matches."""
+    """Whether some detections of X or Y lack a score, so that a threshold may change matches."""
     scores = (result.dataset.system(system.name).score for _, system in result.sides)
     return any(0 < np.count_nonzero(np.isnan(score)) < len(score) for score in scores)
 

@@ -59,9 +59,7 @@ class SharedSample(Caching):
             with self._turns.setdefault(turn, threading.RLock()):
                 return super().cached(kind, key, make, most=most)
         finally:
-            self._turns.pop(
-                turn, None
-            )  # waiting threads hold the lock itself, later ones find the value
+            self._turns.pop(turn, None)  # waiting threads have the lock, later ones find the value
 
     def cached_moved(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
         """Like `cached`, but in a bounded cache for settings other than the initial ones."""

@@ -28,9 +28,7 @@ def begin_run() -> None:
     seen_opening = store.SEEN_OPENING.get()
     if seen_opening != space.n_opened:
         _forget()
-        if (
-            seen_opening is not None
-        ):  # the first comparison may be opened by a link, which sets the frame
+        if seen_opening is not None:  # a link may set the frame of the first one
             store.PLACE.set((0, 0))
         store.SEEN_OPENING.set(space.n_opened)
     elif store.WANTS_RESET.pop():

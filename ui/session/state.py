@@ -186,7 +186,7 @@ def cached(kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) ->
 
     If the comparison is shared, it is computed once for all visitors.
 
-    The value must depend only on the key and on what is open, and nobody may change it.
+    The value must depend only on the key and the open comparison, and must not be modified.
     """
     space, sample = workspace(), sample_of(opened())
     if sample is None:
@@ -323,7 +323,7 @@ def compare_as(session: Session, whole: Dataset | None = None) -> None:
     space, before = workspace(), opened()
     compared = space.compared
     space.look_at(as_shared(Opened.of(session, whole or before.whole, before.label)))
-    if opened().dataset.boxes is before.dataset.boxes:  # `compare` reuses what is still valid
+    if opened().dataset.boxes is before.dataset.boxes:  # `compare` reuses valid results
         space.compared = compared
 
 

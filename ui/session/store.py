@@ -154,9 +154,9 @@ SHOWN_VERDICT: Entry[str | None] = Entry("verdict_shown_on", None)
 NEXT_PAGE: Entry[str | None] = Entry("wanted_page", None)
 TITLE: Entry[str | None] = Entry("document_title", None)
 TAB_IS_SETTLED = Entry("tab_is_settled", False)
-"""True once it is known what the tab has open. It then claims nothing more."""
+"""True once the tab's comparison is known. The tab then stops claiming a workspace."""
 TAB_CLAIMS = Entry("tab_claims", 0)
-"""Number of times that the tab has claimed what it had open."""
+"""Number of times that the tab has claimed its previous workspace."""
 PRESET: Entry[tuple[int | None, str]] = Entry("preset_chosen", (None, ""))
 """Opening, and the preset chosen last for it."""
 OPERATING_POINT: Entry[OperatingPoint] = Entry("operating_point", "equal-alarms")
@@ -253,7 +253,7 @@ HAS_STEPPED = Entry("encounters_stepped", False)
 """True if a button chose the encounter in this run."""
 ENCOUNTER_FILTER: Family[Any] = Family("encounters", None)
 FILTER_WISH: Family[Any] = Family("encounters_set", None)
-"""Value set for a filter, which may lie outside of what is listed."""
+"""Value set for a filter, which may lie outside the listed values."""
 ENCOUNTER_ORDER: Entry[str | None] = Entry("encounters_order", None)
 IS_DESCENDING = Entry("encounters_descending", True)
 ALL_COLUMNS = Entry("encounters_columns", False)
@@ -295,7 +295,7 @@ PRACTISED: Family[int] = Family("study_practised", 0)
 """Practice runs that a participant has seen."""
 DETECTOR: Entry[str | None] = Entry("detector", None)
 USUAL_DETECTOR: Entry[str | None] = Entry("detector_usual", None)
-"""Detector that was chosen by default for what was open."""
+"""Detector that was chosen by default for the open comparison."""
 DETECTOR_BOX: Entry[tuple[object, int]] = Entry("detector_box", (None, 0))
 """Clicked box: detector and frame, and the box's row."""
 DETECTOR_LEVELS: Entry[dict[str, Levels]] = Entry("detector_levels", {})

@@ -8,7 +8,7 @@
                                       a model
 
 Names from a browser are never joined as they come. A safe base name is kept, since recordings
-are named after their files; a file that is sent again in another form has the same name there.
+are named after their files. A file that is sent again in another form has the same name there.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ from ui.session.workspace import PICTURES, Kind, Stored, Workspace, used_by_all
 from ui.settings.limits import MEBI, limits_of_environment
 
 MAX_FILE_BYTES: Final = 4 << 30
-"""One file of pictures."""
+"""Size limit of one file of pictures."""
 MAX_SESSION_BYTES: Final = 8 << 30
-"""All uploads of one session."""
+"""Size limit of all uploads of a session."""
 MAX_FILES: Final = 100_000
 SPARE_BYTES: Final = 1 << 30
-"""Space that has to stay free on the disk."""
+"""Disk space that must stay free."""
 MAX_UNPACKED_BYTES: Final = 2 << 30
-"""All annotations in one archive."""
+"""Size limit of all annotations in one archive."""
 WRITE_BYTES: Final = 1 << 20
 HEAD_BYTES: Final = 400
 
@@ -64,7 +64,7 @@ _TRANSPORT_PACKET: Final = 188
 
 
 class UploadError(NvcoreError):
-    """An upload is refused: reason, what to do, and HTTP status."""
+    """Refusal of an upload, with reason, suggested fix and HTTP status."""
 
     def __init__(self, message: str, status: HTTPStatus):
         self.status = status
@@ -88,12 +88,12 @@ async def receive(
     Parameters
     ----------
     n_bytes
-        Size as the sender states it, if at all; what really comes is counted anyway.
+        Size as the sender states it, if at all. The received bytes are counted anyway.
 
     Raises
     ------
     UploadError
-        If it is too large, there is no room, it is no picture, archive or video, or it breaks off.
+        If it is too large for a limit, is no picture, archive or video, or breaks off.
     """
     if n_bytes is not None:
         check_room(space, n_bytes)
@@ -189,7 +189,7 @@ def remove_pictures(space: Workspace, places: Iterable[PurePosixPath]) -> None:
 
 
 def begin_form(space: Workspace) -> None:
-    """Start a form: uploaded pictures that the open comparison does not show are removed."""
+    """Start a form, and remove uploaded pictures that the open comparison does not show."""
     in_use = set(_paths_in_use(space))
     idle = [
         file.place
@@ -212,7 +212,7 @@ def _paths_in_use(space: Workspace) -> list[Path]:
 def store_in_form(
     space: Workspace, slot: str, files: Sequence[UploadedFile]
 ) -> tuple[Path, tuple[str, ...]]:
-    """Store the files of a field of the form, in place of those that it had before.
+    """Store the files of a field of the form, replacing its previous files.
 
     Files that the open comparison uses stay until it is closed.
 
@@ -277,7 +277,7 @@ def store_model(
     Raises
     ------
     NvcoreError
-        If there is no room, or `check` raises it: the one before then stays.
+        If there is no room, or by `check`. The previous model then stays.
     """
     before = [*space.folder.glob(f"model-{kind}-*")]
     folder = space.folder / f"model-{kind}-{next(space.numbers)}"
@@ -330,7 +330,7 @@ def _count(space: Workspace, folder: Path, n_bytes: int) -> None:
 
 
 def refuse_equal_names(files: Sequence[UploadedFile]) -> None:
-    """Raise InputError for files that have the same name: browsers send no folders."""
+    """Raise InputError for files of the same name, since browsers send no folders."""
     counts = Counter(file.name for file in files)
     name, n = next(iter(counts.most_common(1)), ("", 0))
     if n > 1:
@@ -346,15 +346,15 @@ def store_annotations(
 ) -> tuple[str, ...]:
     """Write the files of one source. Return their paths relative to `folder`.
 
-    A ZIP archive is unpacked into a folder of its name, and the path is that folder: so layouts
-    in which every file is called ``gt.txt`` keep the recordings' names.
+    A ZIP archive is unpacked into a folder of its name, which becomes the path. So layouts in
+    which every file is called ``gt.txt`` keep the recordings' names.
 
     Raises
     ------
     UploadError
         If there is no room.
     MediaError
-        If an archive is damaged or may not be unpacked; nothing of it stays.
+        If an archive is damaged or must not be unpacked. None of its content stays.
     """
     target = folder / slot / ANNOTATION_FOLDERS
     target.mkdir(parents=True)
@@ -407,7 +407,7 @@ def _unpack(space: Workspace, packed: Path) -> tuple[Path, int]:
 
 
 def _limits(space: Workspace, so_far: int = 0) -> tuple[tuple[int, str, HTTPStatus], ...]:
-    """Return the bytes left under each limit, and what to say where that is not enough."""
+    """Return the bytes left under each limit, with message and HTTP status of a refusal."""
     return (
         (
             MAX_FILE_BYTES - so_far,

@@ -36,7 +36,7 @@ T = TypeVar("T")
 PICTURES: Final = "pictures"
 """Folder of the session's pictures."""
 MOST_READS: Final = 4
-"""Pictures that are read at a time for the browser of one session."""
+"""Largest number of pictures read at a time for one session."""
 NONE_VISIBLE: Final = RecordingPictures()
 Kind = Literal["video", "zip", "image"]
 
@@ -58,7 +58,7 @@ class Caching:
         key
             Everything that the value depends on.
         make
-            Computes it. If two threads ask at once, both compute it and the first value is kept.
+            Computes the value. If two threads do so at once, the first value is kept.
         most
             Size of the cache. The least recently used value is dropped first.
         """
@@ -69,7 +69,7 @@ class Caching:
                 cache.move_to_end(key)
                 value = cache[key]
                 return value
-        new = make()  # without the lock: it takes its time, and may end the run
+        new = make()  # without the lock, because it takes long and may end the run
         with self._caches_lock:
             cache = self._caches.setdefault(kind, OrderedDict())
             value = cache.setdefault(key, new)
@@ -184,7 +184,7 @@ class Workspace(Caching):
     folder
         Folder for its uploads, mode 0700, removed with the workspace.
     opened
-        The open comparison; None before one is opened. Pages ask `ui.session.state.opened`.
+        The open comparison, or None before one is opened. Pages use `ui.session.state.opened`.
     n_opened
         Number of comparisons opened so far.
     compared
@@ -253,7 +253,7 @@ class Workspace(Caching):
 
     @property
     def sent(self) -> list[Path]:
-        """Videos, archives and folders of single pictures that were sent, the newest first."""
+        """Uploaded videos, archives and folders of single pictures, newest first."""
         files = reversed(list(self.stored.values()))
         return [self.folder / source for source in dict.fromkeys(file.source for file in files)]
 

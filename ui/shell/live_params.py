@@ -53,7 +53,7 @@ def value_of(name: str) -> Any:
 
 
 def slider_start(name: str) -> float:
-    """Return a slider's start: the session's value, else that common to all recordings, or 0."""
+    """Return a slider's start: the session's value, else that in the data, or 0 if they differ."""
     value = getattr(state.session_params(), name)
     if value is None and SETTINGS[name].height_share is not None:
         return default_height_px(name)

@@ -295,7 +295,7 @@ class _Settings:
 
 
 def _reset() -> None:
-    store.PRESET.pop()  # changes are again relative to what was opened
+    store.PRESET.pop()  # changes are again relative to the open session
     store.WANTS_RESET.set(True)
 
 
