@@ -285,7 +285,7 @@ def check(out: Path | None, strict: bool, **options: Any) -> None:
 
 
 def _for_terminal(session: Session, dataset: Dataset, *, longest: int | None = None) -> Dataset:
-    """Replace file paths and conversions in a dataset's inputs by what the terminal shows."""
+    """Replace file paths and conversions in a dataset's inputs by their texts for the terminal."""
     path = shown_paths(session.folder, session.sources, dataset.systems)
     inputs = dataset.inputs
     changed = inputs.assign(

@@ -198,7 +198,7 @@ def gate(
 
 
 def _takes_standard_output(files: Sequence[Path], lists: bool) -> bool:
-    """Whether machine-readable output goes to standard output. Refuse several such outputs."""
+    """Whether machine-readable output goes to standard output. Refuse conflicting outputs."""
     n_taken = files.count(STANDARD) + lists
     if n_taken > 1:
         raise click.UsageError("only one of --list, --junit - and --markdown - can be printed")

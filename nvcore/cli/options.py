@@ -206,7 +206,7 @@ def _with_parameters(command: Callable[..., Any], names: Iterable[str]) -> Calla
         number = int if setting.is_whole else float
         kind: Any = number if setting.words is None else click.Choice(list(setting.words))
         text = PEDESTRIAN.say(setting.meaning)
-        if setting.default is not None:  # else the meaning says what replaces it
+        if setting.default is not None:  # otherwise the meaning names the replacement
             text += f" Default: {setting.default} {setting.unit}".rstrip() + "."
         option = grouped_option(setting.group, flag_of(name), name, type=kind, help=text)
         command = option(command)

@@ -44,7 +44,7 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
     Raises
     ------
     click.UsageError
-        If the flags contradict each other.
+        If flags are missing or contradict each other.
     NvcoreError
         If the session file or a value cannot be used.
     """
