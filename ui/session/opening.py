@@ -251,9 +251,9 @@ def relative_path(path: Path, folder: Path) -> str:
 def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, str]:
     """Guess the pictures of each recording by name.
 
-    A single source always belongs to a single recording. Otherwise a source belongs to the
-    recording with the longest name that its own name contains. A recording with several sources
-    gets the one of exactly its name, or none.
+    A source belongs to the recording with the longest name that its own name contains. A recording
+    with several sources gets the one of exactly its name, or none. If there is only one source and
+    one recording, they belong together.
 
     Examples
     --------
@@ -327,7 +327,7 @@ def corrected(session: Session, dataset: Dataset, finding: Finding) -> Session:
 def public_text(text: object, folders: Iterable[Path]) -> str:
     """Return a message without the server's folders. Files below these keep their names.
 
-    Readers show only the last parts of a path, so these are removed as well.
+    Readers show only the last parts of a path, so the last parts of folders are removed as well.
 
     Examples
     --------
