@@ -32,24 +32,24 @@ MOST_CSV, MOST_PARQUET = 5, 1.7
 OPENING = """\
 ## Opening files
 
-From the session file to the result: `load` (reading, hashing, placing the boxes), `audit` and
-`analyse`, beside pyarrow reading the same three files (truth, X, Y) with its defaults, right before
-and in the same process, after a run on a small set. *Ratio* is all three steps over pyarrow alone,
-*of load* the first step alone: the median of {rounds} rounds (lowest to highest). *Peak* is the
-memory that loading takes. Targets: a ratio of {csv} for CSV, of {parquet} for loading Parquet. Load
-of the machine when it began: {load:.1f}.
+`load` (reading, hashing, placing the boxes), `audit` and `analyse` from the session file, beside
+pyarrow reading the same three files (truth, X, Y) with its defaults, just before in the same
+process, after a run on a small set. *Ratio* is all three steps over pyarrow, *of load* the first
+step: the median of {rounds} rounds (lowest to highest). *Peak* is the memory that loading takes.
+Targets: a ratio of {csv} for CSV, of {parquet} for loading Parquet.
+Load of the machine when it began: {load:.1f}.
 """
 BESIDE = """\
 ## Beside COCO's evaluators
 
-Both systems against the truth at an IoU of 0.5, from boxes in memory in each tool's own form; the
-evaluators give average precision and recall, nvcore all that it computes of a comparison. Each
-round runs all of them one after the other, each in a fresh process (median of {repeat} runs).
-*Ratio* is the time over that of `analyse` in the same round: the median of {rounds} rounds. *Our
-frames*: 4 pedestrians and about 5 detections a frame. *Pictures as COCO's*: about 7 pedestrians and
-100 detections a picture, most with low scores, no tracks; one class. vernier 0.5 evaluates COCO's
-four area ranges, as its drop-in class cannot be told to take one; the others evaluate one. Load of
-the machine when it began: {load:.1f}.
+Both systems against the truth at an IoU of 0.5, from boxes in memory in each tool's own form. The
+evaluators give average precision and recall, nvcore a whole comparison. Each round runs all of them
+one after the other, each in a fresh process (median of {repeat} runs).
+*Ratio* is the time over that of `analyse` in the same round: the median of {rounds} rounds.
+*Our frames*: 4 pedestrians and about 5 detections a frame. *Pictures as COCO's*: one class, no
+tracks, about 7 pedestrians and 100 detections a picture, most with low scores. vernier 0.5 always
+evaluates COCO's four area ranges, the others one.
+Load of the machine when it began: {load:.1f}.
 """
 
 

@@ -19,34 +19,28 @@ METHOD = """\
 Synthetic sets with a fixed seed (`bench/sets.py`): exactly 4 pedestrians a frame, 4 + 4 detections
 on average, recordings of 1,000 frames, tracks of 80 frames on average, late first detections,
 dropouts and lasting false alarms. Numbers are medians of repeated runs, each tool in a fresh
-process of its own, one after the other. Peak memory is what the process needed beyond its input.
+process, one after the other. Peak memory is what the process needed beyond its input.
 
-*Timed* is the work from boxes in memory (in the tool's own objects: dataset, COCO objects with
-their index, per-frame arrays) to measures; reading files is not part of it but in the rows *from
-files*, nor, for nvcore, loading the compiled functions (see *Command line* for that).
+*Timed* is the work from boxes in memory, in the tool's own objects, to measures. Only the rows
+*from files* include reading files. Loading nvcore's compiled functions is not included.
 """
 
 FROM_FILES_NOTE = """\
 For the rows *from files* and *TrackEval preprocessing + CLEAR* the set is written as MOTChallenge
-text, boxes to three decimals, one sequence with `seqinfo.ini` a recording. It is written just
-before, so the operating system still holds it in memory. One process scores both systems; timed
-after its imports and a run on 100 frames.
+text just before (and so cached in memory): boxes to three decimals, one sequence with `seqinfo.ini`
+a recording. One process scores both systems, timed after its imports and a run on 100 frames.
 
-- *nvcore, from files*: `load` (telling the format, reading and hashing the files, placing the boxes
-  in frames) and `analyse` with all it computes, which may use two threads. Not the audit, nor
-  writing results.
-- *TrackEval Evaluator, from files*: `Evaluator` on `MotChallenge2DBox` with CLEAR, and Count, which
-  it always adds: reading, IoU, preprocessing, CLEAR. It reads the truth anew for each system.
-  Preprocessing is its default, that of MOT17: it looks for distractors, of which the set has none.
-  Without its parallel mode; nothing printed, no tables or curves written.
-- *TrackEval preprocessing + CLEAR*: `get_preprocessed_seq_data` and CLEAR, which is what follows
-  reading in the row before. TrackEval computes IoU while it reads: that is under *making its
-  objects*, whereas `analyse` has it in its time.
-- *TrackEval CLEAR*: IoU and the metric alone, on arrays made here, without the reading and
-  preprocessing of TrackEval's own evaluation.
+- *nvcore, from files*: `load` (detecting the format, reading and hashing, placing the boxes in
+  frames) and `analyse`, which may use two threads; neither the audit nor writing results.
+- *TrackEval Evaluator, from files*: `Evaluator` on `MotChallenge2DBox` with CLEAR and Count:
+  reading, IoU, preprocessing, CLEAR. It reads the truth anew for each system. Preprocessing is the
+  default of MOT17, which looks for distractors (the set has none). No parallel mode, no output.
+- *TrackEval preprocessing + CLEAR*: `get_preprocessed_seq_data` and CLEAR. TrackEval computes IoU
+  while it reads: that is under *making its objects*, whereas the time of `analyse` includes it.
+- *TrackEval CLEAR*: IoU and the metric alone, on arrays.
 
-The target for TrackEval is judged on *TrackEval preprocessing + CLEAR*, what its user waits for
-once the files are read, not on *TrackEval CLEAR*; the ratio of either is in the table.
+The target for TrackEval is for *TrackEval preprocessing + CLEAR*: what its user waits for once the
+files are read.
 """
 
 MOST_RATIOS = {
@@ -259,15 +253,14 @@ def _targets_table(
 
 def _beside_note() -> str:
     return (
-        "Every row scores both systems against the truth on the same boxes. The tools compute "
-        "other things than nvcore and than each other: hotcoco, ultrafast-pycocotools, vernier "
-        "(over COCO's four area ranges) and faster-coco-eval average precision at one IoU, "
-        "TrackEval and motmetrics CLEAR tracking figures (both are given "
-        "faultless track ids, one sequence a recording), the loops by hand only similarity and "
-        "matches (numpy) or unweighted distances (scipy). `hotcoco compare` is both evaluations "
-        "and `compare` without bootstrap. *Making its objects* turns the boxes into the tool's "
-        "own form and is not in the time. *Ratio* is the time over that of `analyse`; in the rows "
-        "*from files* it is the time over that of nvcore from files."
+        "Every row scores both systems on the same boxes, but the tools compute different things. "
+        "hotcoco, ultrafast-pycocotools, vernier (over COCO's four area ranges) and "
+        "faster-coco-eval: average precision at one IoU. `hotcoco compare`: both evaluations and "
+        "`compare` without bootstrap. TrackEval and motmetrics: CLEAR tracking figures, from "
+        "faultless track ids, one sequence a recording. The loops by hand: only similarity and "
+        "matches (numpy) or unweighted distances (scipy). *Making its objects* turns the boxes "
+        "into the tool's own form and is not in the time. *Ratio* is the time over that of "
+        "`analyse`, in the rows *from files* over that of nvcore from files."
     )
 
 

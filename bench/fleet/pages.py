@@ -21,17 +21,17 @@ MEASURED: Final = """\
 ## Fleet
 
 A synthetic fleet (`bench/fleet/generate.py`: 4 pedestrians a frame, 4 + 4 detections, recordings of
-1,000 to 3,000 frames) in a store on the local disk. *Ingest* is from boxes in memory to a store,
-drawing them is not in it; *from CSV* reads files first. *Scan* goes from the store to the tables of
-results, in batches of up to 100,000 frames, with its worker processes' start in it; *finishing*
-computes the measures of all recordings and is in it, too. *Top* are the 20 worst encounters by
-night on rural roads. *Growth* is the slope of log time over log frames. The first scan of a
-checkout compiles loops. Load of the machine when it began: {load:.1f}.
+1,000 to 3,000 frames) in a store on the local disk. *Ingest* is from boxes in memory to a store;
+*from CSV* reads files first. *Scan* goes from the store to the tables of results, in batches of up
+to 100,000 frames. It includes the start of its worker processes, and *finishing*, which computes
+the measures of all recordings. *Top* lists the 20 worst encounters by night on rural roads.
+*Growth* is the slope of log time over log frames. The first scan of a checkout compiles loops.
+Load of the machine when it began: {load:.1f}.
 
 {table}
 
 Bytes a frame: {stored:.0f} in the store, {results:.1f} of results. Peak memory of a worker:
-{peak:.0f} MB, of which {grown:.0f} MB came in the second half of its life at the largest size
+{peak:.0f} MB, {grown:.0f} MB of it from the second half of its life at the largest size
 (target: less than 1,000 MB, steady). Two workers are {speedup:.2f} times as fast as one.
 """
 LEAST_BATCHES: Final = 4

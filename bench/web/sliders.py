@@ -30,11 +30,11 @@ REACH = 0.12
 """Distance of a drag to either side, as a share of the slider's length."""
 HEADING = "## Sliders"
 METHOD = """\
-The sidebar's sliders in headless Chromium {version}, without a GPU, server and browser on this
-machine, 1280x800. *Painted*: frames of the browser per second while the handle goes to and fro for
-{seconds:g} s; *with new numbers*: those in which numbers or lines of the page had changed, at most
-as many as the slider has steps on its way. *Key*: from a press of an arrow key on alpha to the
-first frame with a changed number or line, and until the page is at rest, median of {n}.
+The sidebar's sliders in headless Chromium {version}, 1280x800, without a GPU, server and browser
+on this machine. *Painted*: frames of the browser per second while the handle goes to and fro for
+{seconds:g} s; *with new numbers*: those with changed numbers or lines, at most as many as the
+slider has steps on its way. *Key*: from a press of an arrow key on alpha to the first frame with a
+changed number or line, and until the page is at rest, median of {n}.
 Load of the machine when it began: {load:.1f}.
 """
 

@@ -12,12 +12,12 @@ HEADING = "## In the browser"
 TARGETS_S = {0: 0.3, 100_000: 0.5, 1_000_000: 1.0}
 """Targets by number of frames. 0 is the sample."""
 METHOD = """\
-The dashboard's Timeline page (viewer, time plot, lanes and sidebar) in headless Chromium {version},
-without a GPU, server and browser on this machine. *Key press to plot*: from the key event on the
-slider to the first frame of the browser with changed lines in the time plot; median of {n} presses
-(slowest in brackets), each after the page was still. *Opening*: from the click that opens the
-session file (CSV) to the Data page with all that was read and found. Sets as above, in recordings
-of 1,000 frames; the sample has ten of 300. Load of the machine when it began: {load:.1f}.
+The dashboard's Timeline page in headless Chromium {version}, without a GPU, server and browser on
+this machine. *Key press to plot*: from the key event on the slider to the first painted frame with
+changed lines in the time plot; median of {n} presses (slowest in brackets), each on a still page.
+*Opening*: from the click that opens the session file (CSV) to the finished Data page. Sets as
+above, in recordings of 1,000 frames; the sample has ten of 300.
+Load of the machine when it began: {load:.1f}.
 """
 
 
@@ -68,6 +68,5 @@ def _playing(figures: dict[str, float]) -> str:
     return (
         "Playing a recording of 20 frames per second (640x480, H.264) with boxes: "
         f"{figures['painted']} of {figures['due']} frames due were painted; in {figures['mixed']} "
-        "of them picture and boxes were not of the same frame (the frame number is in the pixels "
-        "of the picture and in the place of a box, both read back from the canvas)."
+        "of them picture and boxes were of different frames (read back from the canvas)."
     )
