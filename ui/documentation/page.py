@@ -20,6 +20,7 @@ FOLDER: Final = state.ROOT / "docs"
 _DOCUMENTS: Final[tuple[Document, ...]] = in_place(
     (
         Document("metrics", "Metrics"),
+        Document("glossary", "Glossary"),
         Document("detection", "Detection curves"),
         Document("objects", "Objects"),
         Document("significance", "Significance"),
