@@ -307,7 +307,7 @@ def compare(
     Raises
     ------
     InputError
-        If there are fewer than two systems, none of a given name, or X and Y are the same one.
+        If there are fewer than two systems, or none of a given name.
     ParameterError
         If proximity by horizon lacks the horizon.
 
@@ -381,6 +381,4 @@ def _pick(dataset: Dataset, x: str | None, y: str | None) -> tuple[str, str]:
         )
     for name in (x, y):
         dataset.system(name)
-    if x == y:
-        raise InputError(f"X and Y are both {x!r}: choose two systems")
     return x, y

@@ -71,6 +71,9 @@ def convert(arguments: ConvertArguments) -> Conversion:
         File to write, or a folder for several recordings of MOTChallenge.
     to
         ``csv``, ``parquet``, ``coco`` or ``mot``. None: by the ending of the target's name.
+    frames_out
+        Place for the evaluated frames of the truth: a file, or a folder if the recordings differ in
+        them.
     size
         Size of pictures (px) whose size is not in the files.
     objects
