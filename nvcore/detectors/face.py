@@ -38,8 +38,9 @@ def detect(arguments: DetectArguments) -> WrittenRun:
 
     Parameters
     ----------
-    A session file, a session, or a dataset made by `load`. It names the pictures of each recording
-    and may have no system.
+    source
+        A session file, a session, or a dataset made by `load`. It names the pictures of each
+        recording and may have no system.
     settings
         Settings of the detector, by name. ``nvcore models`` describes them.
     progress
@@ -54,8 +55,9 @@ def detect(arguments: DetectArguments) -> WrittenRun:
 
     Raises
     ------
-    If an input or the model cannot be used, an output would replace an input, or no evaluated frame
-    has a picture.
+    InputError
+        If an input or the model cannot be used, an output would replace an input, or no evaluated
+        frame has a picture.
     MissingFactError
         As for `load`.
     MissingExtraError

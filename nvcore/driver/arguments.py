@@ -27,8 +27,9 @@ class _RunArguments(Part):
 
     Attributes
     ----------
-    A session file, a session, or a dataset made by `load`. It names the visible-light pictures of
-    each recording, its light meter and gaze file, and may have no system.
+    source
+        A session file, a session, or a dataset made by `load`. It names the visible-light pictures
+        of each recording, its light meter and gaze file, and may have no system.
     settings
         Values that the paper leaves open, by name (docs/driver-reference.md): ``surround``,
         ``drop_factor``, ... ``fixation`` is the assumed point as shares of the picture, with (0.5,
