@@ -15,7 +15,12 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.measures import evidence_of, primary_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.planning.notes import ASSUMPTIONS, QUESTION, excluded, notes_for_verdict
+from nvcore.evidence.planning.notes import (
+    ASSUMPTIONS,
+    QUESTION,
+    notes_before_plan,
+    notes_for_verdict,
+)
 from nvcore.evidence.planning.plan import Plan, plan_recordings
 from nvcore.evidence.table import judge_both
 from nvcore.findings import Finding
@@ -60,7 +65,7 @@ def verdict_plan(
     if row is None or row.p_corrected <= SIGNIFICANT:
         return ()
     if command:
-        return excluded(row), Note("plan.command", command=command)
+        return notes_before_plan(row, command)
     plan = (plans or {}).get(key) if basis is result else None
     plan = plan or plan_recordings(basis, PlanArguments(measure=key), evidence=row)
     return notes_for_verdict(plan)

@@ -28,6 +28,17 @@ def test_by_itself_it_plans_for_the_primary_measure():
         assert json.loads(ran.stdout)["measure"] == key
 
 
+def test_compare_names_the_command_and_plans_only_on_request(folder: Path):
+    by_itself, planned, short = (
+        " ".join(nvcore("compare", *given, "--full").stdout.split())
+        for given in ((SAMPLE,), (SAMPLE, "--plan"), flags(folder))
+    )
+    assert f"To plan more recordings: nvcore plan {SAMPLE}" in by_itself
+    assert "To plan" not in planned
+    assert "More recordings:" in planned
+    assert "To plan" not in short  # two recordings are no pilot
+
+
 def test_a_percentage_of_a_share_is_a_hundredth_and_json_stands_alone():
     ran = nvcore("plan", SAMPLE, *FOUND, "--margin", "30%", "--json")
     assert ran.exit_code == 0, ran.output

@@ -60,7 +60,7 @@ def notes_of_plan(plan: Plan) -> tuple[Note, ...]:
 def notes_for_verdict(plan: Plan) -> tuple[Note, ...]:
     """Return notes on the study size that would show the difference as found, if known."""
     row, size = plan.evidence, plan.sizes[-1]
-    ends = () if row.unit not in WHOLE or math.isnan(row.low) else (excluded(row),)
+    ends = _known_ends(row)
     extent = _extent(size)
     if plan.noninferiority is not None or extent is None:
         return ends
@@ -73,6 +73,16 @@ def notes_for_verdict(plan: Plan) -> tuple[Note, ...]:
         power=plan.power,
     )
     return needed, *ends
+
+
+def notes_before_plan(row: Evidence, command: str) -> tuple[Note, ...]:
+    """Return notes on excluded differences and on the command that plans, if either is known."""
+    can_plan = row.unit in WHOLE and row.n >= MIN_PILOT
+    return (*_known_ends(row), *([Note("plan.command", command=command)] if can_plan else []))
+
+
+def _known_ends(row: Evidence) -> tuple[Note, ...]:
+    return () if row.unit not in WHOLE or math.isnan(row.low) else (excluded(row),)
 
 
 def excluded(row: Evidence) -> Note:
