@@ -16,7 +16,7 @@ from ui.session.routes import routes_below
 from ui.settings.limits import limits_of_environment
 from ui.settings.start import base_path
 from ui.shell.messages import error_banner
-from ui.shell.pages import SECTIONS
+from ui.shell.pages import PAGE_OF
 
 # What the imports have left stays: looking through it each time that Python collects garbage would
 # take a fifth of a second.
@@ -34,7 +34,7 @@ app = st.App(
         Middleware(OwnPages),
         Middleware(Gate),
         Middleware(VisitorLimits, limits=limits_of_environment()),
-        Middleware(StyledPages, pages=[name for pages in SECTIONS.values() for name in pages]),
+        Middleware(StyledPages, pages=list(PAGE_OF)),
     ],
     lifespan=lifespan,
     on_script_error=error_banner,

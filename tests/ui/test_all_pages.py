@@ -11,9 +11,9 @@ from places import ROOT
 from streamlit.testing.v1 import AppTest
 
 from pages import FRAMES, begin_with, checked, opened, rows, to_page, write
-from ui.shell.pages import SECTIONS
+from ui.shell.pages import PAGE_OF
 
-PAGES = [name for section in SECTIONS.values() for name in section]
+PAGES = list(PAGE_OF)
 
 
 def detections(x: int) -> str:

@@ -12,13 +12,13 @@ from streamlit.testing.v1.element_tree import Block
 
 from nvcore.wording.objects import words_for
 from pages import begin_with, checked, opened, part, space_of, texts, to_page
-from ui.shell.pages import SECTIONS
+from ui.shell.pages import PAGE_OF
 
 OF_ITSELF = ("metrics", "study")
 """Pages that are not about what is compared."""
 OF_PEDESTRIANS = ("data", "detectors", "driver")
 """Pages that tell of the sample, of detectors and of estimators, which know pedestrians."""
-PAGES = [name for section in SECTIONS.values() for name in section if name not in OF_ITSELF]
+PAGES = [name for name in PAGE_OF if name not in OF_ITSELF]
 UNFILLED = re.compile(
     rf"{{({'|'.join(words_for('sign', 'signs', are_people=False))})}}|\bpedestrians?\b",
     re.IGNORECASE,

@@ -67,11 +67,6 @@ _PAGES: Final[tuple[Page, ...]] = in_place(
     ),
     chain(*contributed("PAGES")),
 )
-SECTIONS: Final = {
-    section: {page.key: page.title for page in _PAGES if page.section == section}
-    for section in (COMPARE, EVIDENCE, LAB, HELP)
-}
-"""Sections of the navigation, with the script and the title of each page."""
 START: Final = "overview"
 """The page that the app opens on."""
 PAGE_OF: Final = {page.key: page for page in _PAGES}
