@@ -6,14 +6,11 @@ import re
 
 import pandas as pd
 import pytest
-from app_visit import GROUND, SHARE, Visit
+from app_visit import GROUND, SECTION_OF, SHARE, Visit
 from PIL import Image
 from playwright.sync_api import Locator, Route, expect
 
 from nvcore.figures.style import LOOK
-from ui.shell.pages import SECTIONS
-
-TITLES = tuple(title for section in SECTIONS.values() for title in section.values())
 
 NAMELESS = (
     ".js-plotly-plot:is(:not([role][aria-label]), [aria-label=Figure], [aria-label^='Figure.'])"
@@ -147,7 +144,7 @@ def test_no_page_has_an_accessibility_fault_in_either_theme(visit):
     one = visit("")
     themes = ["light", "dark"]
     faults: list[str] = []
-    for title in TITLES:
+    for title in SECTION_OF:
         one.switch_to(title)
         if title == "Timeline":
             one.shows(re.compile("^[0-9]+$"))

@@ -13,13 +13,10 @@ from pathlib import Path
 import pytest
 from app_files import write_files
 from app_server import HELPERS, ROOT, held_port, serve, serving
-from app_visit import Visit
+from app_visit import SECTION_OF, Visit
 from playwright.sync_api import BrowserContext, expect
 
-from ui.shell.pages import SECTIONS
-
 BASE = "apps/night"
-TITLES = tuple(title for section in SECTIONS.values() for title in section.values())
 
 
 def test_below_a_path_pages_pictures_uploads_and_explanations_are_found(
@@ -109,7 +106,7 @@ def test_web_addresses_in_names_stay_text(
         visit = Visit(person, address)
         visit.go("")
         n_shown = 0
-        for title in TITLES:
+        for title in SECTION_OF:
             visit.switch_to(title)
             hosts = visit.page.eval_on_selector_all("a[href]", "all => all.map(one => one.origin)")
             assert set(hosts) <= {address}, title

@@ -9,8 +9,9 @@ from urllib.parse import urlsplit
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import BrowserContext, ConsoleMessage, Locator, Page, expect
 
-from ui.shell.pages import GROUPS, SECTIONS
+from ui.shell.pages import GROUPS, PAGE_OF
 
+SECTION_OF = {page.title: page.section for page in PAGE_OF.values()}
 SIZE = {"width": 1280, "height": 800}
 GROUND = {"light": "rgb(255, 255, 255)", "dark": "rgb(17, 22, 27)"}
 # Streamlit looks for its server below the page's own path first
@@ -107,16 +108,17 @@ class Visit:
 
     def find_entry(self, title: str) -> Locator:
         """A page's link in the navigation, in its group unfolded or among the tabs of a page."""
-        bar, groups = self.keyed("navigation"), [g for g in GROUPS if title in SECTIONS[g].values()]
+        bar, section = self.keyed("navigation"), SECTION_OF[title]
         if title == "Saliency":
             if not self.keyed("tabs").count():
                 self.switch_to("Encounters")
             return self.keyed("tabs").get_by_role("link", name=title)
         entry = bar.get_by_role("link", name=title, exact=True)
-        if not groups and entry.count():
+        if section not in GROUPS and entry.count():
             return entry
         # of a group, or last in the first one, as the comparison has no data for it
-        bar.get_by_role("button", name=(groups or GROUPS)[0]).click()
+        group = section if section in GROUPS else GROUPS[0]
+        bar.get_by_role("button", name=group).click()
         return self.page.get_by_test_id("stPopoverBody").get_by_role("link", name=title)
 
     def look_closer(self, part: str) -> None:
