@@ -22,8 +22,8 @@ from scipy.spatial.distance import directed_hausdorff
 from bench.measure import measure, report, versions
 from bench.ours import to_dataset
 from bench.sets import HEIGHT, WIDTH, Boxes, BoxSet, load_set
-from nvcore.comparison import Result, compare
-from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
+from nvcore.comparison.compare import Result, compare
+from nvcore.settings.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
 
 Figures = list[dict[str, np.ndarray]]
 

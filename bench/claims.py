@@ -27,7 +27,7 @@ import numpy as np
 import pandas as pd
 
 from bench.drives import Kind, draw_drives
-from nvcore.comparison import compare
+from nvcore.comparison.compare import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.evidence.table import judge_both

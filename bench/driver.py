@@ -21,8 +21,8 @@ from time import perf_counter, thread_time
 import cv2
 import numpy as np
 
-from nvcore.driver.features import features_of
-from nvcore.driver.features.compute import regions_of
+from nvcore.subjects.driver.features import features_of
+from nvcore.subjects.driver.features.compute import regions_of
 
 BINS = 16
 LOWEST, HIGHEST, ASPECT = 40.0, 400.0, 0.41

@@ -33,7 +33,7 @@ Work = Callable[[], Figures]
 
 
 def _nvcore(folder: Path) -> Work:
-    from nvcore.comparison import compare
+    from nvcore.comparison.compare import compare
     from nvcore.inputs.load import load
     from nvcore.inputs.session import Session, Source, SystemSource
 

@@ -18,9 +18,9 @@ from typing import Final
 import numpy as np
 import scipy
 
+from nvcore.evidence.groups.analyses import welch_f
+from nvcore.evidence.groups.permutation import permute_between
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.group_statistics.analyses import welch_f
-from nvcore.group_statistics.permutation import permute_between
 
 CASES: Final = (
     *(((4, 12), sds) for sds in ((1, 1), (3, 1), (1, 3))),

@@ -21,11 +21,24 @@ from time import perf_counter
 import cv2
 import numpy as np
 
-from nvcore.detection import WindowGrid, scale_steps
-from nvcore.detectors.icf import SIGNS, IcfDetector, IcfSettings, read_model, train, write_model
-from nvcore.detectors.icf.cascade import floors
-from nvcore.detectors.icf.channels import channel_planes, integral_images, levels, rescaled, resized
-from nvcore.detectors.suppression import suppress
+from nvcore.metrics.detection import WindowGrid, scale_steps
+from nvcore.subjects.detectors.icf import (
+    SIGNS,
+    IcfDetector,
+    IcfSettings,
+    read_model,
+    train,
+    write_model,
+)
+from nvcore.subjects.detectors.icf.cascade import floors
+from nvcore.subjects.detectors.icf.channels import (
+    channel_planes,
+    integral_images,
+    levels,
+    rescaled,
+    resized,
+)
+from nvcore.subjects.detectors.suppression import suppress
 from scripts.detectors.sign_data import TESTED, held_out, read_crops, read_scenes
 from scripts.detectors.sign_data import SignScenes as SignScenes
 from scripts.realdata import realdata

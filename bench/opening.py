@@ -25,9 +25,9 @@ from bench.csv_files import write_csv
 from bench.measure import peak_beyond, report, versions
 from bench.sets import make_set
 from nvcore.auditing import audit
-from nvcore.comparison import compare
+from nvcore.comparison.compare import compare
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
 
 WARM_FRAMES = 1_000
 STEPS = ("load", "audit", "analyse")

@@ -17,12 +17,12 @@ import pandas as pd
 from bench.measure import TO_VERDICT, measure, repeat, report, versions
 from bench.sets import COLUMNS, FPS, HEIGHT, WIDTH, BoxSet, load_set, make_set
 from nvcore.auditing import audit
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.evidence.table import judge_both
-from nvcore.params import Params
 from nvcore.report.verdict import Verdict, verdict
+from nvcore.settings.params import Params
 
 CHANGES = {
     "alpha": lambda i: Params(alpha=0.5 + 0.05 * i),

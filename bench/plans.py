@@ -38,18 +38,18 @@ from bench.claims import (
     judge,
     read_rows,
 )
-from nvcore.arguments.plan import PlanArguments
-from nvcore.comparison import compare
+from nvcore.common.arguments.plan import PlanArguments
+from nvcore.comparison.compare import compare
+from nvcore.comparison.measures.table import measure_of
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.evidence.claims import values_of, winner_of
 from nvcore.evidence.operating_points import at_operating_point
 from nvcore.evidence.planning import plan_recordings
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
-from nvcore.measures.table import measure_of
+from nvcore.inputs.session.toml import read_session
 from nvcore.metrics.shares import share_of
-from nvcore.primary import DEFAULT
+from nvcore.settings.primary import DEFAULT
 
 BEGIN: Final = "<!-- plans: written by `python -m bench.plans --write` -->"
 END: Final = "<!-- end of plans -->"

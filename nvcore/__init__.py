@@ -12,7 +12,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from nvcore.subjects import public_names, resolve
+from nvcore.common.subject import public_names, resolve
 
 __version__ = "0.1.0"
 """Version of the program, written into every output."""
@@ -49,53 +49,62 @@ __all__ = [
 _HOMES = {
     "nvcore.api.calls": ("audit", "compare", "gate", "groups"),
     "nvcore.api.inputs": ("load",),
-    "nvcore.comparison": ("Result",),
+    "nvcore.common.errors": ("NvcoreError",),
+    "nvcore.comparison.compare": ("Result",),
     "nvcore.dataset": ("Dataset",),
     "nvcore.dataset.tables": ("dataset_from_tables",),
-    "nvcore.errors": ("NvcoreError",),
     "nvcore.inputs.conversion": ("convert",),
     "nvcore.inputs.session": ("Session", "Source", "SystemSource"),
-    "nvcore.inputs.session_toml": ("read_session",),
-    "nvcore.params": ("Params",),
-    "nvcore.protocols": ("PROTOCOLS", "Protocol"),
+    "nvcore.inputs.session.toml": ("read_session",),
+    "nvcore.settings.params": ("Params",),
+    "nvcore.settings.protocols": ("PROTOCOLS", "Protocol"),
 }
 """Names of `__all__` by the module that defines them."""
-_PACKAGES = ("detection", "evidence", "figures", "metrics", "pictures", "stability", "tables")
+_PACKAGES = {
+    "detection": "nvcore.metrics.detection",
+    "evidence": "nvcore.evidence",
+    "figures": "nvcore.figures",
+    "metrics": "nvcore.metrics",
+    "pictures": "nvcore.pictures",
+    "stability": "nvcore.evidence.stability",
+    "tables": "nvcore.tables",
+}
+"""Packages by their public names."""
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
 
 if TYPE_CHECKING:
-    from nvcore import detection as detection
     from nvcore import evidence as evidence
     from nvcore import figures as figures
     from nvcore import metrics as metrics
     from nvcore import pictures as pictures
-    from nvcore import stability as stability
     from nvcore import tables as tables
-    from nvcore.alerts.face import judge_alerts
     from nvcore.api.calls import audit, compare, gate, groups
     from nvcore.api.inputs import load
-    from nvcore.comparison import Result
+    from nvcore.common.errors import NvcoreError
+    from nvcore.comparison.compare import Result
     from nvcore.dataset import Dataset
     from nvcore.dataset.tables import dataset_from_tables
-    from nvcore.detectors.face import detect, train
-    from nvcore.driver.face import (
+    from nvcore.evidence import stability as stability
+    from nvcore.inputs.conversion import convert
+    from nvcore.inputs.session import Session, Source, SystemSource
+    from nvcore.inputs.session.toml import read_session
+    from nvcore.metrics import detection as detection
+    from nvcore.settings.params import Params
+    from nvcore.settings.protocols import PROTOCOLS, Protocol
+    from nvcore.subjects.alerts.calls.python import judge_alerts
+    from nvcore.subjects.detectors.calls.python import detect, train
+    from nvcore.subjects.driver.calls.python import (
         driver_features,
         estimate_driver,
         evaluate_driver,
         image_features,
         train_driver,
     )
-    from nvcore.errors import NvcoreError
-    from nvcore.inputs.conversion import convert
-    from nvcore.inputs.session import Session, Source, SystemSource
-    from nvcore.inputs.session_toml import read_session
-    from nvcore.params import Params
-    from nvcore.protocols import PROTOCOLS, Protocol
 
 
 def __getattr__(name: str) -> Any:
     if name in _PACKAGES:
-        return import_module(f"nvcore.{name}")
+        return import_module(_PACKAGES[name])
     if name in _HOME_OF:
         value = getattr(import_module(_HOME_OF[name]), name)
     elif name in public_names():

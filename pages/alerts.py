@@ -2,11 +2,11 @@
 
 import streamlit as st
 
-from nvcore.alerts.steps import alerts_in
-from nvcore.comparison import Result
-from ui.alerts import in_time, listed, numbers, policy, speeding
+from nvcore.comparison.compare import Result
+from nvcore.subjects.alerts.steps import alerts_in
 from ui.session import state
 from ui.shell.messages import draw_notices, needs_comparison
+from ui.subjects.alerts import in_time, listed, numbers, policy, speeding
 from ui.widgets.text import docs_link
 
 

@@ -2,9 +2,9 @@
 
 import streamlit as st
 
-from ui.data import choose, compare, inputs
-from ui.data.audit import findings
-from ui.data.opening import draw_outcome, new_place
+from ui.views.data import choose, compare, inputs
+from ui.views.data.audit import findings
+from ui.views.data.opening import draw_outcome, new_place
 
 st.title("Data")
 for draw in (draw_outcome, choose.draw, findings.draw, compare.draw, inputs.draw):

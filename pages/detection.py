@@ -2,9 +2,9 @@
 
 import streamlit as st
 
-from nvcore.comparison import Result
-from ui.detection import classes, curves, protocol
+from nvcore.comparison.compare import Result
 from ui.shell.messages import draw_warnings, needs_comparison
+from ui.views.detection import classes, curves, protocol
 from ui.widgets.text import docs_link
 
 

@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from ui.detectors import choose, frame, run
+from ui.subjects.detectors import choose, frame, run
 
 st.title("Detectors")
 st.caption(

@@ -2,12 +2,12 @@
 
 import streamlit as st
 
-from nvcore.comparison import Result
-from nvcore.driver.comparison.notes import counts, no_claim, view_notes
-from nvcore.driver.comparison.steps import driver_in
-from ui.driver import course, listed, regions, run
+from nvcore.comparison.compare import Result
+from nvcore.subjects.driver.comparison.notes import counts, no_claim, view_notes
+from nvcore.subjects.driver.comparison.steps import driver_in
 from ui.session import state
 from ui.shell.messages import draw_notices, needs_comparison
+from ui.subjects.driver import course, listed, regions, run
 from ui.widgets.text import docs_link, plain
 
 

@@ -6,13 +6,13 @@ from typing import Final
 import pandas as pd
 import streamlit as st
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.tables.result import encounters_table
-from ui.encounters import address, classes, details, figures, filters, selection, table
-from ui.encounters.order import Order
 from ui.session import state, store
 from ui.session.chosen import choose_named, encounter_of, name_of
 from ui.shell.messages import draw_notices, needs_comparison
+from ui.views.encounters import address, classes, details, figures, filters, selection, table
+from ui.views.encounters.order import Order
 from ui.widgets.choices import look_closer
 from ui.widgets.text import docs_link, plain, short_names
 

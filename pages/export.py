@@ -2,9 +2,9 @@
 
 import streamlit as st
 
-from nvcore.comparison import Result
-from ui.export import frame, html, link, report, video
+from nvcore.comparison.compare import Result
 from ui.shell.messages import needs_comparison
+from ui.views.export import frame, html, link, report, video
 
 
 @needs_comparison

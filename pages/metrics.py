@@ -1,5 +1,5 @@
 """Metrics page: meaning of every measure, columns of the report's files, and input formats."""
 
-from ui.documentation import page
+from ui.views.documentation import page
 
 page.draw()

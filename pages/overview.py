@@ -2,11 +2,11 @@
 
 import streamlit as st
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from ui.jobs import companions
-from ui.overview import more, plan, scorecard, strip, venn, verdict
 from ui.session.results import input_findings, known_evidence, measure_evidence
 from ui.shell.messages import draw_operating_point, needs_comparison
+from ui.views.overview import more, plan, scorecard, strip, venn, verdict
 
 
 @needs_comparison

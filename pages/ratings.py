@@ -2,12 +2,12 @@
 
 import streamlit as st
 
-from nvcore.comparison import Result
-from ui.people import conduct, participant
-from ui.people.studies import is_participant
-from ui.ratings import groups, results, sessions
+from nvcore.comparison.compare import Result
 from ui.session.store import RATINGS_PART
 from ui.shell.messages import needs_comparison
+from ui.subjects.people import conduct, participant
+from ui.subjects.people.studies import is_participant
+from ui.subjects.ratings import groups, results, sessions
 from ui.widgets.text import docs_link
 
 

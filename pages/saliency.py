@@ -2,9 +2,9 @@
 
 import streamlit as st
 
-from nvcore.comparison import Result
-from ui.saliency import events, figures
+from nvcore.comparison.compare import Result
 from ui.shell.messages import draw_notices, needs_comparison
+from ui.views.saliency import events, figures
 
 
 @st.fragment

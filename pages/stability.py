@@ -2,9 +2,9 @@
 
 import streamlit as st
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from ui.shell.messages import draw_notices, needs_comparison
-from ui.stability import survey, verdict_map
+from ui.views.stability import survey, verdict_map
 from ui.widgets.text import docs_link
 
 

@@ -2,9 +2,9 @@
 
 import streamlit as st
 
-from ui.driver.study.touch_studies import TOUCH
-from ui.people import conduct, participant
-from ui.people.studies import is_participant
+from ui.subjects.driver.study.touch_studies import TOUCH
+from ui.subjects.people import conduct, participant
+from ui.subjects.people.studies import is_participant
 from ui.widgets.text import docs_link
 
 if is_participant():

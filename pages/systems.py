@@ -2,10 +2,10 @@
 
 import streamlit as st
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from ui.session import state
 from ui.shell.messages import draw_warnings, needs_comparison
-from ui.systems import matrix, numbers, pairs
+from ui.views.systems import matrix, numbers, pairs
 from ui.widgets.text import docs_link
 
 

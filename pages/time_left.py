@@ -4,12 +4,12 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.comparison import Result
-from nvcore.time_left.steps import time_left_in
+from nvcore.comparison.compare import Result
+from nvcore.subjects.time_left.steps import time_left_in
 from ui.session import state, store
 from ui.shell.messages import draw_notices, needs_comparison
-from ui.time_left import approaches, listed, numbers, speeds
-from ui.time_left.listed import open_encounter
+from ui.subjects.time_left import approaches, listed, numbers, speeds
+from ui.subjects.time_left.listed import open_encounter
 from ui.widgets.choices import look_closer
 from ui.widgets.text import docs_link
 

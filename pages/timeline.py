@@ -2,10 +2,10 @@
 
 import streamlit as st
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from ui.session import state
 from ui.shell.messages import draw_operating_point, needs_comparison
-from ui.timeline import plots
+from ui.views.timeline import plots
 from ui.widgets.recording import recording_choice
 
 

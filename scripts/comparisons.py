@@ -187,11 +187,11 @@ for name, written in (("trials_simulated.csv", "trials.csv"), ("study/boxes.csv"
 import sys
 from pathlib import Path
 import nvcore as nv
-from nvcore.ratings.agreement import measure_agreement, rank_ratings
-from nvcore.ratings.drivers import find_drivers
-from nvcore.ratings.fit import fit_saliency
-from nvcore.ratings.reading import read_ratings
-from nvcore.ratings.validation import clip_saliency, correlate, join_clips
+from nvcore.subjects.ratings.agreement import measure_agreement, rank_ratings
+from nvcore.subjects.ratings.drivers import find_drivers
+from nvcore.subjects.ratings.fit import fit_saliency
+from nvcore.subjects.ratings.reading import read_ratings
+from nvcore.subjects.ratings.validation import clip_saliency, correlate, join_clips
 comparison = nv.compare(Path(sys.argv[1], "session.toml"))
 ranks = rank_ratings(read_ratings(Path(sys.argv[1], "ratings_simulated.csv")))
 clips = join_clips(ranks, clip_saliency(comparison.result))

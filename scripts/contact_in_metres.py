@@ -23,16 +23,16 @@ from plotly.subplots import make_subplots
 
 from bench.tables import table
 from bench.web.tables import put_section
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.figures.style import LOOK, LOSS_COLOURS
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.metrics.encounters import find_encounters
-from nvcore.params import Params
-from nvcore.time_left.judging import KMH, find_urgent, measure_contact
-from nvcore.time_left.kinds import Urgency
-from nvcore.time_left.steps import time_left_in
+from nvcore.settings.params import Params
+from nvcore.subjects.time_left.judging import KMH, find_urgent, measure_contact
+from nvcore.subjects.time_left.kinds import Urgency
+from nvcore.subjects.time_left.steps import time_left_in
 from scripts.realdata import realdata
 
 ROOT = Path(__file__).resolve().parents[1]

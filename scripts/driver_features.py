@@ -18,13 +18,13 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.driver.features import FEATURE_KEYS, FEATURES, FeatureSettings, features_of
-from nvcore.driver.run import run_features
-from nvcore.driver.settings import DriverViewSettings
+from nvcore.common.wording import number
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source
 from nvcore.pictures.images import decode_image, file_bytes
-from nvcore.wording import number
+from nvcore.subjects.driver.features import FEATURE_KEYS, FEATURES, FeatureSettings, features_of
+from nvcore.subjects.driver.running.run import run_features
+from nvcore.subjects.driver.settings import DriverViewSettings
 from scripts.realdata import realdata
 
 ROOT: Final = Path(__file__).resolve().parents[1]

@@ -80,12 +80,12 @@ CORRECTIONS = ("--offset-frames-x", "3", "--offset-px-y=-8,4", "--scale-y", "1.1
 READ_RANGES = """
 import json
 from dataclasses import fields
-from nvcore.params import Params
-from nvcore.protocols import PROTOCOLS
+from nvcore.settings.params import Params
+from nvcore.settings.protocols import PROTOCOLS
 
 def range_of(spec):
     setting = spec.metadata.get("setting")
-    if setting is None:  # before there was nvcore.stages
+    if setting is None:  # before there was nvcore.settings.stages
         return {key: spec.metadata.get(key) for key in ("choices", "low", "high", "above_low")}
     is_whole = getattr(setting, "is_whole", False)
     choices = None if setting.words is None else list(setting.words)

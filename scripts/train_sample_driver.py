@@ -1,6 +1,6 @@
 """Train the estimator of the sample's simulated observer, which the page Driver offers.
 
-python -m scripts.train_sample_driver     # writes nvcore/driver/models/sample.npz
+python -m scripts.train_sample_driver  # writes estimators/models/sample.npz
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 import nvcore as nv
-from nvcore.driver.estimator_report import render_training
-from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR
-from nvcore.driver.face import image_features
+from nvcore.subjects.driver.calls.python import image_features
+from nvcore.subjects.driver.estimators.model_file import SAMPLE_ESTIMATOR
+from nvcore.subjects.driver.evaluation.estimator_report import render_training
 
 SAMPLE: Final = Path(__file__).resolve().parents[1] / "sample_data"
 NAME: Final = "sample"

@@ -16,12 +16,12 @@ from places import SAMPLE
 
 import nvcore as nv
 from nvcore.api.comparison import Comparison
-from nvcore.findings import Severity
-from nvcore.output.files import LOCK
-from nvcore.params import Params
-from nvcore.protocols import PROTOCOLS
+from nvcore.common.findings import Severity
+from nvcore.common.output.files import LOCK
 from nvcore.report.files import summary_json
 from nvcore.report.terminal import render_scorecard
+from nvcore.settings.params import Params
+from nvcore.settings.protocols import PROTOCOLS
 
 SIZE = {"size": (640, 480), "fps": 20.0}
 

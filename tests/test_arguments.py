@@ -10,8 +10,8 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from nvcore.arguments import Part, argument, arguments, called_with, method_with, pairs_of
 from nvcore.cli.options import arguments_of, options_of
+from nvcore.common.arguments import Part, argument, arguments, called_with, method_with, pairs_of
 
 
 @arguments

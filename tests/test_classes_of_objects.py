@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from nvcore.objects import PEDESTRIAN, SPEED_SIGN, Objects, objects_from
+from nvcore.settings.objects import PEDESTRIAN, SPEED_SIGN, Objects, objects_from
 
 CYCLIST = objects_from("cyclist")
 

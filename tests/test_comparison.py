@@ -11,20 +11,15 @@ from builders import Place, at, make_dataset, result_of
 from other_params import OTHER, WITH
 from scenes import draw_scene
 
-from nvcore.alerts.settings import ALERTS, IN_TIME, SPEEDING
-from nvcore.alerts.speeding import judge_speeding
-from nvcore.alerts.steps import alerts_in
-from nvcore.comparison import Result, compare
+from nvcore.common.errors import InputError
+from nvcore.comparison.compare import Result, compare
+from nvcore.comparison.measures.entry import Measure
+from nvcore.comparison.measures.table import MEASURES
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
-from nvcore.driver.comparison.settings import DRIVER
-from nvcore.driver.comparison.steps import driver_in
-from nvcore.errors import InputError
-from nvcore.measures.entry import Measure
-from nvcore.measures.table import MEASURES
 from nvcore.metrics import kernels
-from nvcore.params import SETTINGS, Params, settings_for
-from nvcore.stages import (
+from nvcore.settings.params import SETTINGS, Params, settings_for
+from nvcore.settings.stages import (
     COST,
     DISTANCES,
     ENCOUNTERS,
@@ -41,8 +36,13 @@ from nvcore.stages import (
     THRESHOLD,
     Stage,
 )
-from nvcore.time_left.settings import CONFIRMED, CONTACT, TIME_LEFT, URGENCY
-from nvcore.time_left.steps import confirmed_by, time_left_in, time_left_of
+from nvcore.subjects.alerts.settings import ALERTS, IN_TIME, SPEEDING
+from nvcore.subjects.alerts.speeding import judge_speeding
+from nvcore.subjects.alerts.steps import alerts_in
+from nvcore.subjects.driver.comparison.settings import DRIVER
+from nvcore.subjects.driver.comparison.steps import driver_in
+from nvcore.subjects.time_left.settings import CONFIRMED, CONTACT, TIME_LEFT, URGENCY
+from nvcore.subjects.time_left.steps import confirmed_by, time_left_in, time_left_of
 
 PARTS: dict[str, tuple[Stage, ...]] = {
     "matches": (MATCH,),

@@ -7,13 +7,18 @@ import pandas as pd
 import pytest
 from builders import Box, Place, at, make_dataset, tagged
 
-from nvcore.columns import frame_gaps
-from nvcore.comparison import compare
+from nvcore.common.errors import InputError
+from nvcore.comparison.compare import compare
 from nvcore.dataset import Dataset
+from nvcore.dataset.columns import frame_gaps
+from nvcore.dataset.schema import (
+    DATASET_BOX_DTYPES,
+    FRAME_DTYPES,
+    LEFT_OUT_DTYPES,
+    RECORDING_DTYPES,
+)
 from nvcore.dataset.tables import dataset_from_tables, frames_table
-from nvcore.errors import InputError
-from nvcore.params import Params
-from nvcore.schema import DATASET_BOX_DTYPES, FRAME_DTYPES, LEFT_OUT_DTYPES, RECORDING_DTYPES
+from nvcore.settings.params import Params
 
 
 def recordings(**columns: object) -> pd.DataFrame:

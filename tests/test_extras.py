@@ -9,8 +9,8 @@ from importlib.metadata import packages_distributions
 import pytest
 from places import ROOT
 
-from nvcore.errors import MissingExtraError, NvcoreError
-from nvcore.extras import PACKAGES, needs
+from nvcore.common.errors import MissingExtraError, NvcoreError
+from nvcore.common.extras import PACKAGES, needs
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 

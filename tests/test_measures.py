@@ -11,11 +11,9 @@ from approach import approach, only
 from builders import Place, at, make_dataset, result_of
 from drives import drives
 
-from nvcore.comparison import Result
-from nvcore.detection.curve_summary import summarise_curve
-from nvcore.detection.curves import detection_curve
-from nvcore.measures.entry import Measure
-from nvcore.measures.table import (
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import Measure
+from nvcore.comparison.measures.table import (
     EVIDENCE_KEYS,
     MEASURES,
     evidence_form,
@@ -25,10 +23,12 @@ from nvcore.measures.table import (
     measure_of,
     size_text,
 )
-from nvcore.objects import PEDESTRIAN
+from nvcore.metrics.detection.curve_summary import summarise_curve
+from nvcore.metrics.detection.curves import detection_curve
 from nvcore.report.matrix import PAIR_MEASURES
 from nvcore.report.tiles import KINDS
 from nvcore.report.verdict.points import QUALITIES
+from nvcore.settings.objects import PEDESTRIAN
 
 OF_SYSTEMS = [measure for measure in MEASURES if measure.of is not None]
 OF_CURVES = [measure for measure in MEASURES if measure.of_curve is not None]

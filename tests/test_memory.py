@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from inputs import drive, session_of
 
-from nvcore import memory
-from nvcore.errors import InputError
+from nvcore.common import memory
+from nvcore.common.errors import InputError
+from nvcore.common.memory import check_room, free_bytes
 from nvcore.inputs.load import load
-from nvcore.memory import check_room, free_bytes
 
 
 @pytest.fixture
@@ -74,7 +74,7 @@ def test_where_nothing_is_known_nothing_is_said(tmp_path: Path):
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="of Linux")
 def test_a_limit_of_the_shell_counts():
     script = (
-        "import resource\nfrom nvcore.memory import free_bytes\n"
+        "import resource\nfrom nvcore.common.memory import free_bytes\n"
         "resource.setrlimit(resource.RLIMIT_AS, (10**9, 10**9))\nprint(free_bytes())\n"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)

@@ -8,15 +8,15 @@ from typing import Any
 
 import pytest
 
+from nvcore.common.subject import subjects
 from nvcore.notes import TEXT, Note, entries, say
-from nvcore.objects import PEDESTRIAN, SPEED_SIGN
-from nvcore.subjects import subjects
+from nvcore.settings.objects import PEDESTRIAN, SPEED_SIGN
 
 ROOT = Path(__file__).resolve().parent.parent
 GOLDEN = ROOT / "tests" / "golden"
 TOPICS = sorted(
     {path.stem for path in (ROOT / "nvcore" / "notes").glob("*.toml")}
-    | {name for name in subjects() if (ROOT / "nvcore" / name / "notes.toml").exists()}
+    | {name for name in subjects() if (ROOT / "nvcore" / "subjects" / name / "notes.toml").exists()}
 )
 
 

@@ -18,11 +18,11 @@ from nvcore.cli import main
 from nvcore.inputs.session import Session, Source
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.proximity.horizon import estimate_horizons
-from nvcore.objects import SPEED_SIGN, objects_from
 from nvcore.report.terminal import render_scorecard
-from nvcore.settings import Settings
-from nvcore.time_left.kinds import Urgency
-from nvcore.time_left.steps import time_left_in
+from nvcore.settings.defaults import Settings
+from nvcore.settings.objects import SPEED_SIGN, objects_from
+from nvcore.subjects.time_left.kinds import Urgency
+from nvcore.subjects.time_left.steps import time_left_in
 
 OF_PEDESTRIANS = re.compile(r"\b(pedestrians?|persons?|him|his|whom|feet|ped)\b", re.IGNORECASE)
 

@@ -9,14 +9,14 @@ import pytest
 from drives import drives
 
 import nvcore as nv
-from nvcore.comparison import compare
-from nvcore.errors import ParameterError
+from nvcore.common.errors import ParameterError
+from nvcore.comparison.compare import compare
+from nvcore.comparison.measures.table import CLAIMABLE, choose_primary, claimable_key
 from nvcore.evidence.claims import CLAIMED as CLAIMED_KEYS
 from nvcore.evidence.table import judge_both
-from nvcore.measures.table import CLAIMABLE, choose_primary, claimable_key
 from nvcore.notes import Note
-from nvcore.primary import DEFAULT, Primary, primary_from
 from nvcore.report.verdict import Verdict, verdict
+from nvcore.settings.primary import DEFAULT, Primary, primary_from
 
 AT = "2026-11-26T17:40:12+00:00"
 

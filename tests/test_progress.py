@@ -7,7 +7,7 @@ from threading import Event
 
 import pytest
 
-from nvcore.progress import no_progress, part_of, run_steps
+from nvcore.common.progress import no_progress, part_of, run_steps
 
 
 def squares(n: int) -> list:

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from builders import Box, Place, make_dataset, tagged
 
+from nvcore.common.errors import InputError, ParameterError
 from nvcore.dataset import Dataset
-from nvcore.detection.curves import detection_curve
-from nvcore.detection.filtered_truth import (
+from nvcore.metrics.detection.curves import detection_curve
+from nvcore.metrics.detection.filtered_truth import (
     ASPECT,
     BORDER,
     FLAGGED,
@@ -22,9 +23,8 @@ from nvcore.detection.filtered_truth import (
     has_tags,
     known_tags,
 )
-from nvcore.errors import InputError, ParameterError
-from nvcore.params import Params
-from nvcore.protocols import OWN, PROTOCOLS, Protocol, protocol_from
+from nvcore.settings.params import Params
+from nvcore.settings.protocols import OWN, PROTOCOLS, Protocol, protocol_from
 
 SIZE = {"width": 640.0, "height": 512.0}
 

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nvcore.common.errors import FormatError, InputError
 from nvcore.dataset.provenance import (
     About,
     Provenance,
@@ -20,7 +21,6 @@ from nvcore.dataset.provenance import (
     ranges_of,
     read_provenance,
 )
-from nvcore.errors import FormatError, InputError
 
 RECORD = Provenance(
     About(
@@ -107,7 +107,7 @@ def test_a_record_that_is_not_there_is_an_input_error(tmp_path: Path):
 
 
 def test_a_record_of_another_size_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("nvcore.records.MAX_BYTES", 10)
+    monkeypatch.setattr("nvcore.common.records.MAX_BYTES", 10)
     with pytest.raises(FormatError, match="is larger than"):
         read(json.dumps({"written_by": "somebody"}), tmp_path)
 

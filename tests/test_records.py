@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import pytest
 
-from nvcore.records import convert, decode, parse_json, values_of
+from nvcore.common.records import convert, decode, parse_json, values_of
 
 
 @dataclass(frozen=True)

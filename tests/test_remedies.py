@@ -14,11 +14,11 @@ from places import ROOT
 
 from nvcore.cli import main
 from nvcore.cli import remedies as command_line
-from nvcore.errors import FormatError, MissingFactError
-from nvcore.findings import Finding, Remedy, Severity, Step, steps_text
-from nvcore.inputs.changes import applied
+from nvcore.common.errors import FormatError, MissingFactError
+from nvcore.common.findings import Finding, Remedy, Severity, Step, steps_text
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.inputs.session.changes import applied
 from ui.shell import remedies as pages
 from ui.shell.messages import error_text
 

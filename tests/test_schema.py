@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nvcore.schema import (
+from nvcore.dataset.schema import (
     BOX_DTYPES,
     DATASET_BOX_DTYPES,
     FRAME_DTYPES,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from nvcore.cli import main
-from nvcore.inputs.session_toml import read_session, write_session
+from nvcore.inputs.session.toml import read_session, write_session
 from ui.session.address import read_parameters
 from ui.shell.pages import PAGES
 

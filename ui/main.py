@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import streamlit as st
 
-from nvcore.errors import NvcoreError
-from ui.people.studies import is_participant, leave_screen
+from nvcore.common.errors import NvcoreError
 from ui.serving.life import settle_memory
 from ui.session import settings, state, store
 from ui.shell import (
@@ -21,7 +20,8 @@ from ui.shell import (
 from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, draw_questions, draw_tabs, page_of
-from ui.subjects import contributed
+from ui.subject import contributed
+from ui.subjects.people.studies import is_participant, leave_screen
 from ui.widgets.text import plain
 
 # pages with more entries in their address, which they write themselves or leave as they are

@@ -84,8 +84,8 @@ class Watch:
 def ingest(store: str, n_frames: int) -> dict[str, Any]:
     """Append the fleet to a store. Drawing it is not included in the time."""
     from bench.fleet.generate import draw_part, parts_of
-    from nvcore.fleet.ingest import ingest_all
-    from nvcore.fleet.store import Store
+    from nvcore.subjects.fleet.ingest import ingest_all
+    from nvcore.subjects.fleet.store import Store
 
     drawing, n = [], 0
 
@@ -110,7 +110,7 @@ def from_csv(folder: str, n_frames: int) -> dict[str, Any]:
     """Ingest CSV files with a session each."""
     from bench.csv_files import write_csv
     from bench.sets import make_set
-    from nvcore.fleet.calls import ingest as run
+    from nvcore.subjects.fleet.calls import ingest as run
 
     parts = n_frames // 20_000
     for part in range(parts):
@@ -125,11 +125,11 @@ def from_csv(folder: str, n_frames: int) -> dict[str, Any]:
 
 def scan(store: str, out: str, workers: int) -> dict[str, Any]:
     """Run a scan with a number of processes, and return the cost of its parts."""
-    from nvcore.fleet.folder import begin, finish
-    from nvcore.fleet.location import Location
-    from nvcore.fleet.results import ScanParams
-    from nvcore.fleet.scan import Job, drive, in_pool
-    from nvcore.fleet.store import Store
+    from nvcore.subjects.fleet.folder import begin, finish
+    from nvcore.subjects.fleet.location import Location
+    from nvcore.subjects.fleet.results import ScanParams
+    from nvcore.subjects.fleet.scan import Job, drive, in_pool
+    from nvcore.subjects.fleet.store import Store
 
     location = Location(out)
     params = ScanParams("FIR", "NIR")
@@ -173,8 +173,8 @@ def names(folder: str, recordings: int) -> dict[str, Any]:
     import pandas as pd
 
     from nvcore.dataset.tables import dataset_from_tables
-    from nvcore.fleet.ingest import ingest_all
-    from nvcore.fleet.store import Store
+    from nvcore.subjects.fleet.ingest import ingest_all
+    from nvcore.subjects.fleet.store import Store
 
     every = [f"r{number:08}" for number in range(recordings)]
     facts = pd.DataFrame({"name": every, "width": 640, "height": 480, "fps": 20.0, "unit": "car"})
@@ -187,11 +187,11 @@ def names(folder: str, recordings: int) -> dict[str, Any]:
 
 def metadata(folder: str) -> dict[str, Any]:
     """Measure the cost per recording before the first one is compared."""
-    from nvcore.fleet.folder import begin
-    from nvcore.fleet.location import Location
-    from nvcore.fleet.results import ScanParams
-    from nvcore.fleet.scan import Job
-    from nvcore.fleet.store import Snapshot, Store
+    from nvcore.subjects.fleet.folder import begin
+    from nvcore.subjects.fleet.location import Location
+    from nvcore.subjects.fleet.results import ScanParams
+    from nvcore.subjects.fleet.scan import Job
+    from nvcore.subjects.fleet.store import Snapshot, Store
 
     out, params = Location(f"{folder}/results"), ScanParams("FIR", "NIR")
 
@@ -218,8 +218,8 @@ def metadata(folder: str) -> dict[str, Any]:
 
 def top(out: str) -> dict[str, Any]:
     """Run the query that opens the worst moments."""
-    from nvcore.fleet.location import Location
-    from nvcore.fleet.query import worst
+    from nvcore.subjects.fleet.location import Location
+    from nvcore.subjects.fleet.query import worst
 
     runs = [clocked(lambda: worst(Location(out), where=QUESTION)) for _ in range(5)]
     return {"s": median(run[1] for run in runs), "cpu_s": median(run[2] for run in runs)}

@@ -32,8 +32,8 @@ from bench.sets import (
 )
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
-from nvcore.fleet.ingest import ingest_all
-from nvcore.fleet.store import Store
+from nvcore.subjects.fleet.ingest import ingest_all
+from nvcore.subjects.fleet.store import Store
 
 RECORDINGS_PER_PART: Final = 8
 ROADS: Final = ("urban", "rural", "motorway")

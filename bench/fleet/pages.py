@@ -15,7 +15,7 @@ import numpy as np
 from bench.fleet.simulate import LOCAL, SEED, Costs, Storage, costs_of, predicted, simulate
 from bench.tables import growth_exponent, seconds_text, table
 from bench.web.tables import put_section
-from nvcore.wording import duration_text
+from nvcore.common.wording import duration_text
 
 MEASURED: Final = """\
 ## Fleet

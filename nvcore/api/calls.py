@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from nvcore import comparison
 from nvcore.api.comparison import Comparison
 from nvcore.api.inputs import load
-from nvcore.arguments import called_with
-from nvcore.arguments.groups import GroupArguments
 from nvcore.auditing import audit as audit_dataset
 from nvcore.auditing import picture_findings
+from nvcore.common.arguments import called_with
+from nvcore.common.arguments.groups import GroupArguments
+from nvcore.common.errors import ParameterError
+from nvcore.common.findings import Finding, worst_first
+from nvcore.comparison import compare as comparison
 from nvcore.dataset import Dataset
-from nvcore.errors import ParameterError
+from nvcore.evidence.groups import GroupComparison, compare_groups
 from nvcore.evidence.operating_points import at_operating_point
-from nvcore.findings import Finding, worst_first
-from nvcore.group_statistics import GroupComparison, compare_groups
 from nvcore.report.gate import run_gate
 from nvcore.report.gate.measures import measure_names
 from nvcore.report.gate.outcomes import RuleOutcome

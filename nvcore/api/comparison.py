@@ -11,12 +11,16 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import pandas as pd
 
-from nvcore.arguments import method_with
-from nvcore.arguments.plan import PlanArguments
-from nvcore.arguments.report import HtmlArguments
 from nvcore.auditing import audit, picture_findings
-from nvcore.comparison import Result
-from nvcore.errors import InputError, ParameterError
+from nvcore.common.arguments import method_with
+from nvcore.common.arguments.plan import PlanArguments
+from nvcore.common.arguments.report import HtmlArguments
+from nvcore.common.errors import InputError, ParameterError
+from nvcore.common.extras import needs
+from nvcore.common.findings import Finding, worst_first
+from nvcore.common.wording import ARROWS, count_text, difference, number, one_line
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import MeasureTable
 from nvcore.evidence.claims import Claim
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.measures import Judged
@@ -25,11 +29,8 @@ from nvcore.evidence.operating_points import at_operating_point
 from nvcore.evidence.planning import Plan, plan_recordings
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
-from nvcore.extras import needs
-from nvcore.findings import Finding, worst_first
 from nvcore.inputs.session import Session
-from nvcore.inputs.toml_text import parse_toml
-from nvcore.measures.entry import MeasureTable
+from nvcore.inputs.session.toml_text import parse_toml
 from nvcore.notes import Note
 from nvcore.report.brief import render_brief
 from nvcore.report.files import (
@@ -52,7 +53,6 @@ from nvcore.tables.result import (
 )
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.summary import summary
-from nvcore.wording import ARROWS, count_text, difference, number, one_line
 
 if TYPE_CHECKING:
     from nvcore.api.figures import Figures
@@ -77,7 +77,7 @@ class Comparison:
     result
         The library's result, with all arrays.
     dataset, params, x, y, venn, exclusivity, boxes, duration_s, lead_time_s, fusion
-        See `nvcore.comparison.Result`.
+        See `nvcore.comparison.compare.Result`.
     protocol
         Selection of the pedestrians that the detection measures count.
     frames

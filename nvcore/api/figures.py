@@ -7,26 +7,26 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from nvcore import figures
-from nvcore.comparison import Result
-from nvcore.detection.curve_summary import summarise_curve
-from nvcore.detection.curves import detection_curve
-from nvcore.detection.operating_point import false_alarm_curve, score_histogram
-from nvcore.errors import InputError
-from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.common.errors import InputError
+from nvcore.common.palette import Shade
+from nvcore.common.subject import contributed
+from nvcore.common.wording import MOST_NAMED, did_you_mean, listed
+from nvcore.comparison.compare import Result
+from nvcore.comparison.scoring import SystemResult
+from nvcore.evidence.stability.axes import Plane
+from nvcore.evidence.stability.map import map_stability
+from nvcore.evidence.stability.scores import Criterion
+from nvcore.evidence.subgroups.table import subgroup_table
 from nvcore.metrics.cost_map import map_cost
-from nvcore.palette import Shade
-from nvcore.scoring import SystemResult
-from nvcore.stability.axes import Plane
-from nvcore.stability.map import map_stability
-from nvcore.stability.scores import Criterion
-from nvcore.subjects import contributed
+from nvcore.metrics.detection.curve_summary import summarise_curve
+from nvcore.metrics.detection.curves import detection_curve
+from nvcore.metrics.detection.operating_point import false_alarm_curve, score_histogram
 from nvcore.tables.classes import classes_table
 from nvcore.tables.encounters.miss_classes import fusion_table
 from nvcore.tables.encounters.severity import weighed_encounters
 from nvcore.tables.encounters.weightings import compare_weightings
 from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.result import encounters_table, recordings_table
-from nvcore.wording import MOST_NAMED, did_you_mean, listed
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -195,7 +195,7 @@ class Figures:
     def stability(
         self, plane: Plane = "alpha-midpoint", criterion: Criterion = "similarity"
     ) -> go.Figure:
-        """Map the better system over other settings (`nvcore.stability.map.map_stability`)."""
+        """Map the better system over other settings (`evidence.stability.map.map_stability`)."""
         survey = map_stability(self._result, plane, criterion)
         return figures.stability_map(survey, theme=self._theme)
 

@@ -10,26 +10,26 @@ from typing import Any, Final, TypeVar
 
 import pandas as pd
 
-from nvcore.arguments import Part, PathLike, Size
+from nvcore.common.arguments import Part, PathLike, Size
+from nvcore.common.errors import InputError, MissingFactError
+from nvcore.common.progress import Progress, no_progress
+from nvcore.comparison.measures.table import choose_primary
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, MissingFactError
-from nvcore.inputs.changes import override_recordings
 from nvcore.inputs.facts import frames_from, objects_named, size_from
+from nvcore.inputs.files.pipes import pipes_kept
 from nvcore.inputs.load import load as load_session
-from nvcore.inputs.pipes import pipes_kept
-from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import (
     RecordingsFile,
     Session,
     Source,
     SystemSource,
 )
-from nvcore.inputs.session_toml import read_session
-from nvcore.measures.table import choose_primary
-from nvcore.params import params_from
-from nvcore.progress import Progress, no_progress
-from nvcore.protocols import Protocol, protocol_from
-from nvcore.settings import OperatingPoint, Settings, as_names, operating_point
+from nvcore.inputs.session.changes import override_recordings
+from nvcore.inputs.session.recordings_file import with_recordings_file
+from nvcore.inputs.session.toml import read_session
+from nvcore.settings.defaults import OperatingPoint, Settings, as_names, operating_point
+from nvcore.settings.params import params_from
+from nvcore.settings.protocols import Protocol, protocol_from
 
 Input = PathLike | Sequence[PathLike] | Source | pd.DataFrame
 """Ground truth or detections: files, folders or globs, a `Source` with settings, or a table."""
@@ -251,7 +251,7 @@ def with_params(dataset: Dataset, changes: Mapping[str, Any]) -> Dataset:
     Parameters
     ----------
     changes
-        Fields of `nvcore.params.Params`. A threshold of None counts every detection.
+        Fields of `nvcore.settings.params.Params`. A threshold of None counts every detection.
 
     Raises
     ------

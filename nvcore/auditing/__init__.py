@@ -47,20 +47,14 @@ from nvcore.auditing.transform_findings import (
     audit_truth_layout,
 )
 from nvcore.auditing.transforms import above_threshold
+from nvcore.common.errors import MissingExtraError
+from nvcore.common.findings import OF_PICTURES, Finding, Severity, accepted, worst_first
+from nvcore.common.subject import contributed
 from nvcore.dataset import Dataset
-from nvcore.errors import MissingExtraError
-from nvcore.findings import (
-    OF_PICTURES,
-    Finding,
-    Severity,
-    accepted,
-    worst_first,
-)
 from nvcore.inputs.session import Session
 from nvcore.metrics.matching import match_system
-from nvcore.params import Params
-from nvcore.stages import MATCH, PROXIMITY, THRESHOLD
-from nvcore.subjects import contributed
+from nvcore.settings.params import Params
+from nvcore.settings.stages import MATCH, PROXIMITY, THRESHOLD
 
 if TYPE_CHECKING:
     from nvcore.pictures import RecordingPictures

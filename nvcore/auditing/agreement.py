@@ -10,14 +10,14 @@ import numpy as np
 from nvcore.auditing.boxes import repeated_rows
 from nvcore.auditing.cases import BoxSource, place_of_frame, truth_source
 from nvcore.auditing.transforms import rows_in_ranges
-from nvcore.columns import BoxColumns
+from nvcore.common.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
+from nvcore.common.wording import count_text
 from nvcore.dataset import Dataset
-from nvcore.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
+from nvcore.dataset.columns import BoxColumns
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.pairs import pair_frames
 from nvcore.metrics.matching import Matches, iou_of_pairs
-from nvcore.params import Params
-from nvcore.wording import count_text
+from nvcore.settings.params import Params
 
 MIN_BOXES: Final = 20
 """Fewer boxes than this may be the same by chance."""

@@ -9,15 +9,15 @@ import numpy as np
 import pandas as pd
 
 from nvcore.auditing.cases import BoxSource
-from nvcore.columns import BoxColumns
+from nvcore.common.findings import Finding, Remedy, Severity, Step
+from nvcore.common.wording import count_text
+from nvcore.dataset.columns import BoxColumns
+from nvcore.dataset.schema import NO_TRACK
 from nvcore.dataset.sources import ReadAs
-from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.box_layouts import parse_layout
 from nvcore.metrics.encounters import encounters_of
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.pairs import mark_repeats
-from nvcore.schema import NO_TRACK
-from nvcore.wording import count_text
 
 REUSE_S: Final = 5.0
 """Time in seconds after which an unseen pedestrian is unlikely to be the same person ..."""

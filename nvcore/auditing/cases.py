@@ -9,12 +9,12 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.columns import BoxColumns
+from nvcore.common.file_kinds import unpacked_name
+from nvcore.common.findings import TRUTH_NAME, Cases, Finding, Severity, Step
+from nvcore.common.wording import count_text
 from nvcore.dataset import Dataset
-from nvcore.file_kinds import unpacked_name
-from nvcore.findings import TRUTH_NAME, Cases, Finding, Severity, Step
-from nvcore.schema import TABLE_ENDING
-from nvcore.wording import count_text
+from nvcore.dataset.columns import BoxColumns
+from nvcore.dataset.schema import TABLE_ENDING
 
 BLOCK: Final = 1 << 15
 """Number of boxes processed at a time."""

@@ -8,12 +8,12 @@ import numpy as np
 import pandas as pd
 
 from nvcore.auditing.cases import spelled
+from nvcore.common.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
+from nvcore.common.wording import count_text
 from nvcore.dataset import Dataset
-from nvcore.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
+from nvcore.dataset.schema import KMH, NO_TRACK
 from nvcore.metrics.encounters import encounters_of
-from nvcore.params import Params
-from nvcore.schema import KMH, NO_TRACK
-from nvcore.wording import count_text
+from nvcore.settings.params import Params
 
 MIN_BOXES: Final = 5
 """Fewest distances of a pedestrian for measuring a speed, as for the time to contact."""

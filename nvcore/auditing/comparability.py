@@ -8,10 +8,11 @@ from typing import Final
 import numpy as np
 
 from nvcore.auditing.cases import BoxSource, spelled
+from nvcore.common.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
+from nvcore.common.wording import capitalised, count_text, percent
 from nvcore.dataset import Dataset
-from nvcore.detection.operating_point import are_unequal_alarms, threshold_for
-from nvcore.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
 from nvcore.inputs.evaluated_frames import nth
+from nvcore.metrics.detection.operating_point import are_unequal_alarms, threshold_for
 from nvcore.metrics.encounters import encounters_of, mostly_one_frame
 from nvcore.metrics.matching import Matches
 from nvcore.metrics.proximity import weigh_proximity
@@ -21,8 +22,7 @@ from nvcore.metrics.proximity.borrowing import (
     borrows,
     weighing_truth,
 )
-from nvcore.params import Params
-from nvcore.wording import capitalised, count_text, percent
+from nvcore.settings.params import Params
 
 MIN_ENCOUNTERS: Final = 10
 """Fewest near encounters for these findings."""

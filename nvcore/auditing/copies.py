@@ -7,10 +7,10 @@ from collections import defaultdict
 from collections.abc import Iterator
 from typing import Final
 
+from nvcore.common.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
+from nvcore.common.wording import count_text, listed, percent
 from nvcore.dataset import Dataset
 from nvcore.dataset.copies import open_copies
-from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
-from nvcore.wording import count_text, listed, percent
 
 MOST_NAMED: Final = 3
 """Most pairs or recordings that a message lists."""

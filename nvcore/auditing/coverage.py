@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 
 from nvcore.auditing.cases import BoxSource, recording_findings
-from nvcore.columns import BoxColumns
+from nvcore.common.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.dataset import Dataset
-from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
+from nvcore.dataset.columns import BoxColumns
 from nvcore.inputs.evaluated_frames import nth
 
 PART_CODE: Final = "detections-in-part-of-recording"

@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 
 from nvcore.auditing.cases import recording_findings
+from nvcore.common.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
+from nvcore.common.wording import percent
 from nvcore.dataset import Dataset
-from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.metrics.encounters import encounters_of
-from nvcore.params import Params
-from nvcore.wording import percent
+from nvcore.settings.params import Params
 
 MIN_BOXES: Final = 100
 MIN_PEDESTRIANS: Final = 5

@@ -1,7 +1,7 @@
 """Findings on the assignment of pictures to frames.
 
-No measure depends on pictures. The codes begin with `nvcore.findings.OF_PICTURES`. The import needs
-the extra ``report``.
+No measure depends on pictures. The codes begin with `nvcore.common.findings.OF_PICTURES`. The
+import needs the extra ``report``.
 """
 
 from __future__ import annotations
@@ -13,8 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.dataset import Dataset
-from nvcore.findings import (
+from nvcore.common.findings import (
     OF_PICTURES,
     Cases,
     Finding,
@@ -24,12 +23,13 @@ from nvcore.findings import (
     accepted,
     worst_first,
 )
+from nvcore.common.wording import capitalised, count_text, one_line
+from nvcore.dataset import Dataset
 from nvcore.inputs.recordings import is_missing
 from nvcore.inputs.session import Session
 from nvcore.pictures.index import NumberingRule, is_of_other_shape, why_unclear
 from nvcore.pictures.notes import MAY_MISLEAD, PictureTrait
 from nvcore.pictures.recordings import RecordingPictures
-from nvcore.wording import capitalised, count_text, one_line
 
 _MOST_STEPS: Final = 4
 _MOST: Final = 0.5

@@ -9,9 +9,9 @@ import numpy as np
 
 from nvcore.auditing.cases import all_sources, recording_findings
 from nvcore.auditing.transform_search import SIZES
+from nvcore.common.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.dataset import Dataset
-from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
-from nvcore.inputs.proposals import KITTI_SIZES
+from nvcore.inputs.session.proposals import KITTI_SIZES
 
 MIN_BOXES: Final = 200
 """Fewest boxes that should reach most of the picture."""

@@ -13,12 +13,12 @@ from nvcore.auditing.cases import (
     spelled,
     without_doubles,
 )
+from nvcore.common.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
+from nvcore.common.wording import count_text
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import is_in_ranges
-from nvcore.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
 from nvcore.inputs.session import Session
-from nvcore.objects import Objects
-from nvcore.wording import count_text
+from nvcore.settings.objects import Objects
 
 HARDLY: Final = 0.1
 """Share of a system's rows, and of the frames with pedestrians, below which hardly any is left."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from nvcore.auditing.cases import BoxSource
-from nvcore.findings import Finding, Remedy, Severity, Step
-from nvcore.wording import count_text, percent
+from nvcore.common.findings import Finding, Remedy, Severity, Step
+from nvcore.common.wording import count_text, percent
 
 
 def audit_scores(source: BoxSource) -> list[Finding]:

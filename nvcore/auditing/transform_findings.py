@@ -13,15 +13,15 @@ from nvcore.auditing.coverage import PART_CODE, frames_with
 from nvcore.auditing.rows import listed_ranges
 from nvcore.auditing.transform_search import DECENT, Search, is_better, search, trial_of
 from nvcore.auditing.transforms import FIT_IOU, LARGE, NOT_LISTED, Fit, Transform, source_of
-from nvcore.columns import BoxColumns
+from nvcore.common.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
+from nvcore.common.wording import count_text
 from nvcore.dataset import Dataset
+from nvcore.dataset.columns import BoxColumns
 from nvcore.dataset.sources import ReadAs, left_out_text
-from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.inputs.box_layouts import BoxLayout, parse_layout
 from nvcore.inputs.evaluated_frames import nth
 from nvcore.inputs.readers import format_named
 from nvcore.metrics.matching import Matches
-from nvcore.wording import count_text
 
 CODES: Final = {
     "another format": "box-layout",

@@ -25,9 +25,9 @@ from nvcore.auditing.transforms import (
     rows_in_ranges,
     source_of,
 )
+from nvcore.common.errors import NvcoreError
 from nvcore.dataset import Dataset
-from nvcore.errors import NvcoreError
-from nvcore.inputs.files import find_files
+from nvcore.inputs.files.find import find_files
 from nvcore.inputs.load import load
 from nvcore.inputs.readers import formats_like
 from nvcore.inputs.session import Session

@@ -12,10 +12,10 @@ from typing import Final, NamedTuple
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import BoxColumns
+from nvcore.common.findings import TRUTH_NAME
 from nvcore.dataset import Dataset
+from nvcore.dataset.columns import BoxColumns
 from nvcore.dataset.sources import ReadAs
-from nvcore.findings import TRUTH_NAME
 from nvcore.inputs.assign_frames import REASONS
 from nvcore.inputs.box_layouts import UNITS, Box, BoxLayout, layouts, parse_layout
 from nvcore.inputs.session import Session, SystemSource

@@ -1,4 +1,4 @@
-"""``nvcore app``: the dashboard, served on this computer."""
+"""``nvcore app`` serves the dashboard on this computer, ``nvcore sample`` copies its sample."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ import click
 
 from nvcore.cli.options import examples
 from nvcore.cli.program import EXIT_BAD_INPUT
-from nvcore.errors import InputError
-from nvcore.extras import PACKAGES, needs
-from nvcore.inputs.session_toml import read_session
+from nvcore.cli.steps import say_written
+from nvcore.common.errors import InputError
+from nvcore.common.extras import PACKAGES, needs
+from nvcore.inputs.session.toml import read_session
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -133,6 +134,29 @@ def dashboard() -> Path:
     )
 
 
+@click.command(
+    short_help="Copy the sample recordings.", epilog=examples("nvcore sample somewhere/else")
+)
+@click.argument("folder", default="sample_data", type=click.Path(file_okay=False, path_type=Path))
+def sample(folder: Path) -> None:
+    """Copy the sample recordings into FOLDER (default: sample_data).
+
+    Files of the same names are replaced.
+    """
+    source = dashboard() / "sample_data"
+    if folder.resolve() == source:
+        raise InputError("is the folder that would be copied; give another one", file=folder)
+    files = [path for path in source.rglob("*") if path.is_file()]
+    try:
+        for path in files:
+            copy = folder / path.relative_to(source)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(path.read_bytes())
+    except OSError as error:
+        raise InputError(f"cannot be written ({error.strerror})", file=folder) from error
+    say_written(folder)
+
+
 def _checked(path: Path) -> Path:
     """Check that a session file and its files exist, before visitors need them.
 
@@ -143,7 +167,7 @@ def _checked(path: Path) -> Path:
     InputError
         If one of them is missing.
     """
-    from nvcore.inputs.files import find_all
+    from nvcore.inputs.files.find import find_all
 
     find_all(read_session(path))
     return path.absolute()

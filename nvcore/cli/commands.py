@@ -7,7 +7,7 @@ from itertools import chain
 import click
 
 from nvcore import __version__
-from nvcore.cli.app import app
+from nvcore.cli.app import app, sample
 from nvcore.cli.compare import check, compare
 from nvcore.cli.convert import convert
 from nvcore.cli.gate import gate
@@ -18,8 +18,7 @@ from nvcore.cli.options import examples
 from nvcore.cli.plan import plan
 from nvcore.cli.program import Program
 from nvcore.cli.report import report
-from nvcore.cli.sample import sample
-from nvcore.subjects import contributed
+from nvcore.common.subject import contributed
 
 
 @click.group(

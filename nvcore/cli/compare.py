@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from nvcore.arguments import FOLDER, OUTPUT
 from nvcore.cli.options import (
     GroupedCommand,
     audit_options,
@@ -34,8 +33,9 @@ from nvcore.cli.steps import (
     shown_findings,
     shown_paths,
 )
+from nvcore.common.arguments import FOLDER, OUTPUT
+from nvcore.common.wording import one_line
 from nvcore.inputs.session import Session
-from nvcore.wording import one_line
 
 if TYPE_CHECKING:
     from nvcore.dataset import Dataset
@@ -114,9 +114,9 @@ def compare(
     it. Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad input.
     """
     from nvcore.auditing import audit, picture_findings
-    from nvcore.comparison import compare
+    from nvcore.common.findings import worst_first
+    from nvcore.comparison.compare import compare
     from nvcore.evidence.operating_points import are_unequal, at_operating_point
-    from nvcore.findings import worst_first
     from nvcore.inputs.load import load
     from nvcore.report.brief import MOST_LINES, render_brief
     from nvcore.report.files import REPORT_FILES, summary_json, write_report
@@ -249,7 +249,7 @@ def check(out: Path | None, strict: bool, **options: Any) -> None:
     Exit code 0: no errors, 1: errors (with --strict: or warnings), 2: bad input.
     """
     from nvcore.auditing import audit, opened_pictures
-    from nvcore.findings import worst_first
+    from nvcore.common.findings import worst_first
     from nvcore.inputs.load import load
     from nvcore.report.files import AUDIT_FILES, write_audit
     from nvcore.report.terminal import (

@@ -18,9 +18,9 @@ from nvcore.cli.options import (
 from nvcore.cli.remedies import ways_text
 from nvcore.cli.session_options import objects_from_option, size_option, source_options
 from nvcore.cli.steps import findings_shown, pasteable_errors, shown_paths
-from nvcore.inputs.arguments import ConvertArguments
+from nvcore.common.wording import one_line
 from nvcore.inputs.session import Source
-from nvcore.wording import one_line
+from nvcore.inputs.session.arguments import ConvertArguments
 
 if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role

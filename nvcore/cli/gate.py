@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from nvcore.arguments import FOLDER, OUTPUT
 from nvcore.cli.options import (
     GroupedCommand,
     examples,
@@ -26,9 +25,10 @@ from nvcore.cli.steps import (
     errors_of,
     shown_findings,
 )
-from nvcore.errors import InputError, NvcoreError
-from nvcore.output.files import write_whole
-from nvcore.wording import one_line
+from nvcore.common.arguments import FOLDER, OUTPUT
+from nvcore.common.errors import InputError, NvcoreError
+from nvcore.common.output.files import write_whole
+from nvcore.common.wording import one_line
 
 if TYPE_CHECKING:
     from nvcore.report.gate.rules import Rule

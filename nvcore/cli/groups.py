@@ -7,10 +7,10 @@ from typing import Any
 
 import click
 
-from nvcore.arguments import FILE, FOLDER, OUTPUT
-from nvcore.arguments.groups import GroupArguments
 from nvcore.cli.options import command, grouped_option, options_of
 from nvcore.cli.steps import say_written
+from nvcore.common.arguments import FILE, FOLDER, OUTPUT
+from nvcore.common.arguments.groups import GroupArguments
 
 # As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
 
@@ -39,9 +39,9 @@ def groups(table: Path, out: Path | None, as_json: bool, **options: Any) -> None
     participant. The test that fits has a star, others stand beside it. Exit code 0: fine, 2: bad
     input.
     """
-    from nvcore.group_statistics import compare_groups
-    from nvcore.group_statistics.text import FILES, groups_json, write_groups
-    from nvcore.output.files import check_folder
+    from nvcore.common.output.files import check_folder
+    from nvcore.evidence.groups import compare_groups
+    from nvcore.evidence.groups.text import FILES, groups_json, write_groups
     from nvcore.report.protect_inputs import refuse_to_replace
 
     if out is not None:

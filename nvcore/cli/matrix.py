@@ -7,7 +7,6 @@ from typing import Any
 
 import click
 
-from nvcore.arguments import FOLDER, OUTPUT
 from nvcore.cli.options import (
     command,
     grouped_option,
@@ -24,6 +23,7 @@ from nvcore.cli.steps import (
     say_written,
     shown_findings,
 )
+from nvcore.common.arguments import FOLDER, OUTPUT
 
 # As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
 

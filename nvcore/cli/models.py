@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import click
 
-from nvcore.arguments import pairs_of
 from nvcore.cli.options import command, grouped_option
-from nvcore.subjects import contributed
+from nvcore.common.arguments import pairs_of
+from nvcore.common.subject import contributed
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from nvcore.arguments import (
+from nvcore.common.arguments import (
     CORRECTIONS,
     FACTS,
     FILE,
@@ -21,19 +21,19 @@ from nvcore.arguments import (
     Arguments,
     Part,
 )
+from nvcore.common.subject import contributed
+from nvcore.common.wording import listed, one_line
 from nvcore.inputs.facts import FRAME_NAMES
-from nvcore.objects import PEDESTRIAN
-from nvcore.params import AUDIT_SETTINGS, SETTINGS
-from nvcore.primary import DEFAULT
-from nvcore.protocols import PROTOCOLS
-from nvcore.settings import POINTS
-from nvcore.subjects import contributed
-from nvcore.wording import listed, one_line
+from nvcore.settings.defaults import POINTS
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.settings.params import AUDIT_SETTINGS, SETTINGS
+from nvcore.settings.primary import DEFAULT
+from nvcore.settings.protocols import PROTOCOLS
 
 # Nothing here imports numpy, pandas or numba, so that `nvcore --help` need not wait for them.
 
 DETECTION = "Detection measures"
-"""Heading of the help, besides those of `nvcore.arguments` and of the parameters."""
+"""Heading of the help, besides those of `nvcore.common.arguments` and of the parameters."""
 
 
 class GroupedOption(click.Option):

@@ -7,8 +7,6 @@ from typing import Any
 
 import click
 
-from nvcore.arguments import FILE, OUTPUT
-from nvcore.arguments.plan import PlanArguments
 from nvcore.cli.options import (
     arguments_of,
     command,
@@ -28,8 +26,10 @@ from nvcore.cli.steps import (
     say_written,
     shown_findings,
 )
-from nvcore.output.files import write_whole
-from nvcore.wording import one_line
+from nvcore.common.arguments import FILE, OUTPUT
+from nvcore.common.arguments.plan import PlanArguments
+from nvcore.common.output.files import write_whole
+from nvcore.common.wording import one_line
 
 # As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
 
@@ -60,7 +60,7 @@ def plan(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
     worse, and whether these do. Exit code 0: fine, 1: the audit found errors (with --strict: or
     warnings), 2: bad input, or fewer than 6 recordings.
     """
-    from nvcore.errors import InputError
+    from nvcore.common.errors import InputError
     from nvcore.evidence.planning import plan_key, plan_recordings
     from nvcore.evidence.planning.pilot import MIN_PILOT
     from nvcore.evidence.units import WHOLE
@@ -97,7 +97,7 @@ def plan(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
 
 def _amount(flag: str, text: str | None, key: str) -> float | None:
     """Parse the number of a flag. 3% is 0.03, for measures that are shares."""
-    from nvcore.measures.table import inference_of
+    from nvcore.comparison.measures.table import inference_of
 
     if text is None:
         return None

@@ -24,9 +24,9 @@ from typing import Any, Final
 import click
 
 from nvcore.cli.remedies import error_text
-from nvcore.errors import NvcoreError
-from nvcore.inputs.pipes import pipes_kept
-from nvcore.wording import one_line
+from nvcore.common.errors import NvcoreError
+from nvcore.common.wording import one_line
+from nvcore.inputs.files.pipes import pipes_kept
 
 NAME: Final = "nvcore"
 EXIT_BAD_INPUT: Final = 2

@@ -8,8 +8,8 @@ from typing import Any, Final
 
 import click
 
-from nvcore.progress import SOON, Progress
-from nvcore.wording import one_line
+from nvcore.common.progress import SOON, Progress
+from nvcore.common.wording import one_line
 
 
 def _end(bar: Any, *, is_done: bool) -> None:

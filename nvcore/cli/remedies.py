@@ -9,8 +9,8 @@ from typing import Final
 
 import click
 
-from nvcore.errors import NvcoreError
-from nvcore.findings import TRUTH_NAME, Finding, Remedy, RemedyTexts, Step, steps_text
+from nvcore.common.errors import NvcoreError
+from nvcore.common.findings import TRUTH_NAME, Finding, Remedy, RemedyTexts, Step, steps_text
 
 TEXTS: Final[RemedyTexts] = {
     Remedy.CLASSES: ("give --classes{of} {value}", "NAMES"),

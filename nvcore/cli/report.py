@@ -7,8 +7,6 @@ from typing import Any
 
 import click
 
-from nvcore.arguments import FILE, OUTPUT
-from nvcore.arguments.report import HtmlArguments, Inscription
 from nvcore.cli.options import (
     arguments_of,
     check_html_name,
@@ -30,7 +28,9 @@ from nvcore.cli.steps import (
     say_written,
     shown_findings,
 )
-from nvcore.extras import needs
+from nvcore.common.arguments import FILE, OUTPUT
+from nvcore.common.arguments.report import HtmlArguments, Inscription
+from nvcore.common.extras import needs
 
 
 @command("Write the comparison as one HTML file.", "nvcore report night.toml --out night.html")
@@ -58,7 +58,7 @@ def report(out: Path, strict: bool, **options: Any) -> None:
     Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad input.
     """
     from nvcore.auditing import opened_pictures
-    from nvcore.findings import worst_first
+    from nvcore.common.findings import worst_first
     from nvcore.report.protect_inputs import files_read, refuse_to_replace
     from nvcore.report.terminal import render_findings
 

@@ -9,8 +9,8 @@ from typing import Any, Final
 import click
 
 from nvcore.cli.options import flag_of
-from nvcore.errors import SessionError
-from nvcore.inputs.changes import override_recordings
+from nvcore.common.errors import SessionError
+from nvcore.common.wording import one_line
 from nvcore.inputs.facts import frames_from, parse_size
 from nvcore.inputs.session import (
     SYSTEM_KEYS_OF_SUBJECTS,
@@ -19,11 +19,11 @@ from nvcore.inputs.session import (
     Source,
     SystemSource,
 )
-from nvcore.inputs.session_toml import read_session
-from nvcore.objects import Objects, objects_from
-from nvcore.params import SETTINGS, Params, params_from
-from nvcore.protocols import PROTOCOLS
-from nvcore.wording import one_line
+from nvcore.inputs.session.changes import override_recordings
+from nvcore.inputs.session.toml import read_session
+from nvcore.settings.objects import Objects, objects_from
+from nvcore.settings.params import SETTINGS, Params, params_from
+from nvcore.settings.protocols import PROTOCOLS
 
 OF_FILES: Final = (
     *("frame_base", "box_base"),
@@ -48,7 +48,7 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
     NvcoreError
         If the session file or a value cannot be used.
     """
-    from nvcore.measures.table import choose_primary
+    from nvcore.comparison.measures.table import choose_primary
 
     given = {name: options[name] for name in SETTINGS if options.get(name) is not None}
     make = _from_flags if options["session_file"] is None else _from_file
@@ -111,7 +111,7 @@ def _from_flags(options: dict[str, Any], given: dict[str, Any], *, needs_y: bool
 
 def _with_facts(session: Session, options: dict[str, Any]) -> Session:
     """Apply the flags about recordings, which override files, to a session."""
-    from nvcore.inputs.recordings_file import with_recordings_file
+    from nvcore.inputs.session.recordings_file import with_recordings_file
 
     path = options["recordings"]
     if path is not None:
@@ -174,8 +174,8 @@ def _read(path: Path, *, needs_y: bool) -> Session:
 
 def _advice_on(path: Path, *, needs_y: bool) -> str | None:
     """Describe a file that is not a session file, and its flag if any (None: unknown kind)."""
-    from nvcore.file_kinds import binary_kind
-    from nvcore.inputs.proposals import looks_like
+    from nvcore.common.file_kinds import binary_kind
+    from nvcore.inputs.session.proposals import looks_like
 
     likeness = looks_like(path)
     if likeness is None:

@@ -12,19 +12,19 @@ import click
 
 from nvcore.cli.progress import TerminalProgress
 from nvcore.cli.remedies import suggestion_text, ways_text
-from nvcore.errors import InputError, MissingFactError
-from nvcore.findings import TRUTH_NAME
+from nvcore.common.errors import InputError, MissingFactError
+from nvcore.common.findings import TRUTH_NAME
+from nvcore.common.progress import Progress, no_progress
+from nvcore.common.wording import one_line
 from nvcore.inputs.session import Session, Source
-from nvcore.progress import Progress, no_progress
-from nvcore.wording import one_line
 
 if TYPE_CHECKING:
-    from nvcore.comparison import Result
+    from nvcore.common.findings import Finding
+    from nvcore.comparison.compare import Result
     from nvcore.dataset import Dataset
-    from nvcore.findings import Finding
-    from nvcore.inputs.proposals import UsualInputs
     from nvcore.inputs.readers.base import Role
-    from nvcore.settings import OperatingPoint
+    from nvcore.inputs.session.proposals import UsualInputs
+    from nvcore.settings.defaults import OperatingPoint
 
 # numpy, pandas and numba are imported by the functions only.
 
@@ -48,7 +48,7 @@ def compare_session(
         Progress of reading the inputs.
     """
     from nvcore.auditing import audit
-    from nvcore.comparison import compare
+    from nvcore.comparison.compare import compare
     from nvcore.evidence.operating_points import at_operating_point
     from nvcore.inputs.load import load
 
@@ -87,7 +87,7 @@ def errors_of(session: Session) -> Iterator[None]:
             message = f"{error.message.rstrip('.')}. {ways} {proposal}"
             raise InputError(message, file=error.file, line=error.line) from error
         except InputError as error:
-            from nvcore.inputs.files import system_names
+            from nvcore.inputs.files.find import system_names
 
             names = [
                 source.name or by_path
@@ -121,7 +121,7 @@ def job_on(
     kind, job_of
         Class of the job's arguments, and the context manager that makes the job from them.
     """
-    from nvcore.inputs.session_toml import read_session
+    from nvcore.inputs.session.toml import read_session
 
     with ExitStack() as stack:
         session, n_steps = None, 2
@@ -179,8 +179,8 @@ def _of_pictures(session: Session) -> tuple[str, tuple[int, int], float | None] 
 
 def _usual(session: Session) -> UsualInputs | None:
     """Return size and frame rate of most recordings in the truth's format, or None."""
-    from nvcore.inputs.files import find_files
-    from nvcore.inputs.proposals import USUAL_INPUTS
+    from nvcore.inputs.files.find import find_files
+    from nvcore.inputs.session.proposals import USUAL_INPUTS
 
     with suppress(InputError):
         return USUAL_INPUTS.get(find_files(session.truth, session.folder, "truth")[1].name)
@@ -212,7 +212,7 @@ def check_output_folder(
     InputError
         If an input would be replaced, or the folder cannot be written to.
     """
-    from nvcore.output.files import check_folder
+    from nvcore.common.output.files import check_folder
     from nvcore.report.files import SESSION_FILE
     from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
 
@@ -236,7 +236,7 @@ def pasteable_errors(folder: Path, sources: Iterable[tuple[Source, Role]]) -> It
     try:
         yield
     except InputError as error:
-        from nvcore.inputs.files import path_to_show, paths_to_show
+        from nvcore.inputs.files.find import path_to_show, paths_to_show
 
         path = None if error.file is None else paths_to_show(folder, sources).get(error.file)
         if path is None and error.path is not None:  # two inputs have files of this name
@@ -254,7 +254,7 @@ def shown_paths(
     folder: Path, sources: Iterable[tuple[Source, Role]], systems: Iterable[str] = ()
 ) -> ShownPath:
     """Return a function that names input files for the terminal, even if two share a name."""
-    from nvcore.inputs.files import paths_to_show
+    from nvcore.inputs.files.find import paths_to_show
 
     of_sources = [paths_to_show(folder, [source]) for source in sources]
     by_subject = dict(zip((TRUTH_NAME, *systems), of_sources, strict=False))

@@ -12,7 +12,10 @@ from typing import Any, TypeVar
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import (
+from nvcore.common.errors import InputError
+from nvcore.common.findings import Finding
+from nvcore.common.wording import MOST_NAMED, did_you_mean, listed
+from nvcore.dataset.columns import (
     BOX_COLUMNS,
     BoxColumns,
     Detectability,
@@ -22,21 +25,18 @@ from nvcore.columns import (
 )
 from nvcore.dataset.copies import Copy, find_copies
 from nvcore.dataset.provenance import Provenance
-from nvcore.dataset.sources import ReadAs
-from nvcore.errors import InputError
-from nvcore.findings import Finding
-from nvcore.objects import Objects
-from nvcore.params import Params
-from nvcore.primary import Primary
-from nvcore.schema import (
+from nvcore.dataset.schema import (
     ATTRIBUTE_DTYPES,
     DETECTABILITY_COLUMNS,
     LEFT_OUT_DTYPES,
     TRUTH,
     conform,
 )
-from nvcore.settings import Settings, as_names, is_chosen, new_names
-from nvcore.wording import MOST_NAMED, did_you_mean, listed
+from nvcore.dataset.sources import ReadAs
+from nvcore.settings.defaults import Settings, as_names, is_chosen, new_names
+from nvcore.settings.objects import Objects
+from nvcore.settings.params import Params
+from nvcore.settings.primary import Primary
 
 Kept = TypeVar("Kept")
 
@@ -60,8 +60,8 @@ class Dataset:
         One row per listed frame, including frames without boxes: recording (row of `recordings`),
         frame, time_s, step_s, speed_kmh (from a series, NaN none). Sorted by recording, then frame.
     boxes
-        Truth and all systems: columns of `nvcore.schema.DATASET_BOX_DTYPES`, sorted by source,
-        frame_index, file order.
+        Truth and all systems: columns of `nvcore.dataset.schema.DATASET_BOX_DTYPES`, sorted by
+        source, frame_index, file order.
     systems
         Names. The boxes of ``systems[i]`` have source ``i + 1``.
     inputs
@@ -79,14 +79,15 @@ class Dataset:
         memory.
     attributes
         Attributes of pedestrians in the truth, for `nvcore.metrics.encounter_classes`; columns of
-        `nvcore.schema.ATTRIBUTE_DTYPES`.
+        `nvcore.dataset.schema.ATTRIBUTE_DTYPES`.
     settings
         Default settings of comparisons, from the session that the data were loaded from.
     provenance
         Provenance of the systems' detections, by system name; systems with unknown provenance are
         absent.
     of_subjects
-        Data of subjects from their inputs (`nvcore.inputs.added.Input`), by subject name; see `of`.
+        Data of subjects from their inputs (`nvcore.inputs.session.added.Input`), by subject name;
+        see `of`.
     labels
         Names of the classes that the column `label` of `boxes` numbers, in the words of the objects
         ("70"), if boxes of several classes count.

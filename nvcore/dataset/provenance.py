@@ -23,9 +23,9 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.errors import ParameterError
-from nvcore.records import convert, decode, read_record
-from nvcore.wording import one_line, shortened
+from nvcore.common.errors import ParameterError
+from nvcore.common.records import convert, decode, read_record
+from nvcore.common.wording import one_line, shortened
 
 Setting: TypeAlias = bool | int | float | str | None
 """Value of a detector's setting, as in JSON."""

@@ -8,17 +8,17 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import frame_gaps
+from nvcore.common.errors import InputError
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError
-from nvcore.schema import (
+from nvcore.dataset.columns import frame_gaps
+from nvcore.dataset.schema import (
     DATASET_BOX_DTYPES,
     DETECTABILITY_COLUMNS,
     FRAME_DTYPES,
     RECORDING_DTYPES,
     conform,
 )
-from nvcore.settings import MAX_FPS, MIN_FPS
+from nvcore.settings.defaults import MAX_FPS, MIN_FPS
 
 
 def frames_table(

@@ -6,8 +6,8 @@ from nvcore.evidence.measures import Evidence, significance_table
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.paired_tests import McNemar, SwapTest, holm, mcnemar, swap_test
 from nvcore.evidence.pairwise import pairwise_table
-from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.subgroups import Subgroup, find_subgroups
+from nvcore.evidence.subgroups.table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import Units, find_units
 

@@ -11,13 +11,13 @@ import numpy as np
 import pandas as pd
 import scipy
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.table import EVIDENCE_KEYS, inference_of, measure_of
 from nvcore.evidence.bootstrap import CONFIDENCE
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import are_unequal, count_alarms, has_scores
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import WHOLE
-from nvcore.measures.table import EVIDENCE_KEYS, inference_of, measure_of
 from nvcore.notes import Note
 
 CLAIMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
@@ -246,7 +246,7 @@ def is_turned_strictly(key: str, result: Result, strict: Result) -> bool:
 def values_of(key: str, result: Result) -> tuple[float, float]:
     """Return the values of a measure for X and Y, NaN if undefined.
 
-    `key` is one of `nvcore.measures.table.MEASURES`.
+    `key` is one of `nvcore.comparison.measures.table.MEASURES`.
     """
     value_of = measure_of(key).of
     assert value_of is not None, key

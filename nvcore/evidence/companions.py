@@ -15,7 +15,8 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
+from nvcore.comparison.measures.table import inference_of
 from nvcore.evidence.measures import (
     Evidence,
     Judged,
@@ -37,8 +38,7 @@ from nvcore.evidence.operating_points import (
 )
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import WHOLE, Units, find_units
-from nvcore.measures.table import inference_of
-from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.settings.protocols import PROTOCOLS, Protocol
 
 MOST_ERROR: Final = 0.5
 """Largest standard error of log(false alarms of X / false alarms of Y) for judging unequally set

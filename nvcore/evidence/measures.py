@@ -11,7 +11,18 @@ from typing import Final, Literal
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import Better
+from nvcore.comparison.measures.table import (
+    EVIDENCE_KEYS,
+    choose_primary,
+    doubt_of,
+    evidence_keys,
+    evidence_label,
+    inference_of,
+    measure_of,
+    repeated_by,
+)
 from nvcore.dataset import Dataset
 from nvcore.evidence.bootstrap import (
     N_RESAMPLES,
@@ -41,18 +52,7 @@ from nvcore.evidence.units import (
     find_units,
     sum_units,
 )
-from nvcore.measures.entry import Better
-from nvcore.measures.table import (
-    EVIDENCE_KEYS,
-    choose_primary,
-    doubt_of,
-    evidence_keys,
-    evidence_label,
-    inference_of,
-    measure_of,
-    repeated_by,
-)
-from nvcore.primary import Primary
+from nvcore.settings.primary import Primary
 
 D_Z: Final = "Cohen's d_z"
 ODDS_RATIO: Final = "odds ratio"
@@ -167,16 +167,16 @@ def significance_table(
     `nvcore.evidence.table.evidence_table` adds the log-average miss rate. Encounters detected
     appear twice: by encounter (McNemar), which is only about these drives, and by units, which
     allows for similar encounters within a recording. They are followed by the other measures that
-    `nvcore.measures.Inference` tests by units (except those that do not apply, such as measures of
-    urgent encounters if there are none), and by `extra`. If there are too few data for a measure,
-    or most encounters are single frames, it is NaN and `note` has the reason.
+    `nvcore.comparison.measures.Inference` tests by units (except those that do not apply, such as
+    measures of urgent encounters if there are none), and by `extra`. If there are too few data for
+    a measure, or most encounters are single frames, it is NaN and `note` has the reason.
 
     Parameters
     ----------
     extra
         Further measures.
     keys
-        Some of `nvcore.measures.EVIDENCE_KEYS`; None: all that the comparison has.
+        Some of `nvcore.comparison.measures.EVIDENCE_KEYS`; None: all that the comparison has.
     units
         ``find_units(result)``, if already computed.
     shifts
@@ -245,7 +245,7 @@ def judge(
     Parameters
     ----------
     keys
-        Some of `nvcore.measures.EVIDENCE_KEYS`, except the log-average miss rate.
+        Some of `nvcore.comparison.measures.EVIDENCE_KEYS`, except the log-average miss rate.
     units
         See `significance_table`.
     """
@@ -295,7 +295,7 @@ def judge_encounters(result: Result, key: str = "encounters_detected") -> Eviden
     Parameters
     ----------
     key
-        Key of a measure whose `nvcore.measures.Inference` has a `split`.
+        Key of a measure whose `nvcore.comparison.measures.Inference` has a `split`.
     """
     split = inference_of(key).split
     assert split is not None, key

@@ -7,16 +7,16 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.comparison import Result
-from nvcore.detection.curves import Outcomes, detection_outcomes
-from nvcore.detection.filtered_truth import filter_truth
-from nvcore.detection.miss_rate import FPPI_REFERENCES, explain_few, explain_zero
-from nvcore.detection.operating_point import has_one_score
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.table import measure_of
 from nvcore.evidence.measures import Evidence, Judged, UnitMeasure, judge_measure, run_together
 from nvcore.evidence.units import WHOLE, Units, has_any_of, units_within
-from nvcore.measures.table import measure_of
-from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.metrics.detection.curves import Outcomes, detection_outcomes
+from nvcore.metrics.detection.filtered_truth import filter_truth
+from nvcore.metrics.detection.miss_rate import FPPI_REFERENCES, explain_few, explain_zero
+from nvcore.metrics.detection.operating_point import has_one_score
+from nvcore.settings.protocols import PROTOCOLS, Protocol
 
 KEY: Final = "log_average_miss_rate"
 N_POINTS: Final = 200
@@ -32,7 +32,7 @@ def log_average_miss_rate_measure(
 
     Each system is counted at the same levels of false positives per image: 200 levels and the nine
     references. A resample or exchange looks up the references among these levels. Over all units,
-    the measure is exactly `nvcore.detection.miss_rate.log_average_miss_rate`.
+    the measure is exactly `nvcore.metrics.detection.miss_rate.log_average_miss_rate`.
 
     Returns
     -------

@@ -11,17 +11,17 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Final, Literal
 
-from nvcore.comparison import Result, compare
-from nvcore.detection.operating_point import (
+from nvcore.comparison.compare import Result, compare
+from nvcore.comparison.measures.table import inference_of
+from nvcore.comparison.scoring import SystemResult
+from nvcore.metrics.detection.operating_point import (
     are_unequal_alarms,
     choose_moved,
     span_of_scores,
     threshold_with_alarms,
 )
-from nvcore.measures.table import inference_of
 from nvcore.notes import Note
-from nvcore.scoring import SystemResult
-from nvcore.settings import OperatingPoint
+from nvcore.settings.defaults import OperatingPoint
 
 AS_SET: Final = "as set: at unequal operating points"
 """Label of numbers of X and Y from which nothing is claimed."""

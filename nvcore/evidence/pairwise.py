@@ -10,9 +10,10 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, compare
+from nvcore.common.errors import InputError
+from nvcore.common.progress import Progress, no_progress
+from nvcore.comparison.compare import Result, compare
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError
 from nvcore.evidence.claims import find_claims, values_of
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.measures import (
@@ -24,8 +25,7 @@ from nvcore.evidence.operating_points import are_unequal, why_not_equal
 from nvcore.evidence.paired_tests import SIGNIFICANT, holm
 from nvcore.evidence.units import find_units
 from nvcore.notes import Note, phrase
-from nvcore.params import Params
-from nvcore.progress import Progress, no_progress
+from nvcore.settings.params import Params
 
 COLUMNS: Final = (
     "x",

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.evidence.companions import Companions, find_companions, judge_equal_alarms
 from nvcore.evidence.measures import Judged, significance_table
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.operating_points import AS_SET, is_undecided
 from nvcore.evidence.units import Units, find_units
-from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.settings.protocols import PROTOCOLS, Protocol
 
 
 def evidence_table(

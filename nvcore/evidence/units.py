@@ -8,12 +8,12 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.table import EVIDENCE_KEYS, counted, inference_of, measure_of
+from nvcore.comparison.scoring import SystemResult
 from nvcore.dataset import Dataset
 from nvcore.dataset.copies import units_of
 from nvcore.evidence.block_length import block_length
-from nvcore.measures.table import EVIDENCE_KEYS, counted, inference_of, measure_of
-from nvcore.scoring import SystemResult
 
 RECORDINGS: Final = "recordings"
 UNITS: Final = "units"
@@ -188,14 +188,12 @@ def _differences(result: Result) -> tuple[np.ndarray, ...]:
 def sum_units(result: Result, units: Units) -> pd.DataFrame:
     """Sum every unit, as the basis for measures over all units.
 
-    Returns
-    -------
-    One row per unit: recording (row of the recordings), n_frames, duration_s, share_of_recording
-    (number of recordings, or a block's share of one), n_encounters (not distant), counts of
-    subjects (`nvcore.measures.table.counted`), and the sums of the parts of each measure that is
-    judged by units. Their columns are the measure's key with ``_x`` and ``_y`` (NaN if it cannot be
-    split into blocks of time).
-    Encounters, episodes and events belong to the unit in which they begin.
+    Returns ------- One row per unit: recording (row of the recordings), n_frames, duration_s,
+    share_of_recording (number of recordings, or a block's share of one), n_encounters (not
+    distant), counts of subjects (`nvcore.comparison.measures.table.counted`), and the sums of the
+    parts of each measure that is judged by units. Their columns are the measure's key with ``_x``
+    and ``_y`` (NaN if it cannot be split into blocks of time). Encounters, episodes and events
+    belong to the unit in which they begin.
     """
     unit, total = units.unit_of_frame, units.total
     frames, encounters = result.dataset.frame_columns, result.encounters

@@ -1,6 +1,6 @@
 """Figures: tables and results in, Plotly figures out. One module of pure functions per family."""
 
-from nvcore.extras import needs
+from nvcore.common.extras import needs
 
 with needs("report", "figures need"):
     from nvcore.figures.curves import CurveKind, curve_plot

@@ -12,15 +12,15 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.detection.curve_summary import CurveSummary
-from nvcore.detection.curves import CurvePoint, DetectionCurve
-from nvcore.detection.miss_rate import FPPI_REFERENCES
+from nvcore.common.palette import Theme
+from nvcore.common.wording import count_text, number
 from nvcore.figures.marks import HOVER, click_markers, marks, rule, still_line
 from nvcore.figures.style import LOOK, ChartLook, begins_at, plain, system_label, write
-from nvcore.objects import Objects
-from nvcore.palette import Theme
-from nvcore.published import PublishedPoint
-from nvcore.wording import count_text, number
+from nvcore.metrics.detection.curve_summary import CurveSummary
+from nvcore.metrics.detection.curves import CurvePoint, DetectionCurve
+from nvcore.metrics.detection.miss_rate import FPPI_REFERENCES
+from nvcore.settings.objects import Objects
+from nvcore.settings.published import PublishedPoint
 
 CurveKind = Literal["miss_rate", "precision_recall", "roc", "roc_windows", "f1"]
 
@@ -200,13 +200,13 @@ def curve_plot(
     Parameters
     ----------
     curves
-        Of X and Y (`nvcore.detection.curves.detection_curve`).
+        Of X and Y (`nvcore.metrics.detection.curves.detection_curve`).
     thresholds
         Thresholds in use of X and Y; None: every detection counts.
     summaries
         Of the curves, whose measure then stands in the legend.
     windows_per_image
-        For false positives per window (`nvcore.detection.windows`).
+        For false positives per window (`nvcore.metrics.detection.windows`).
     hint
         Last part of the subtitle; empty: there is none.
     published

@@ -10,15 +10,15 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
+from nvcore.common.palette import Theme
+from nvcore.common.wording import capitalised, count_text, number, percent
+from nvcore.comparison.measures.entry import HIGHER
+from nvcore.comparison.measures.table import difference_text, inference_of, measure_of
 from nvcore.evidence.planning.notes import ASSUMPTIONS
 from nvcore.evidence.planning.plan import Plan
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.marks import click_markers, curve_line, joined, marks, row_texts
 from nvcore.figures.style import LETTER_PX, LOOK, Names, plain, which_is_which, written
-from nvcore.measures.entry import HIGHER
-from nvcore.measures.table import difference_text, inference_of, measure_of
-from nvcore.palette import Theme
-from nvcore.wording import capitalised, count_text, number, percent
 
 MOST_GROUPS: Final = 40
 MAX_RECORDINGS: Final = 40
@@ -60,7 +60,7 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
     Parameters
     ----------
     subgroups
-        `nvcore.evidence.subgroup_table.subgroup_table` of one measure.
+        `nvcore.evidence.subgroups.table.subgroup_table` of one measure.
     """
     look, is_defined = LOOK[theme], np.isfinite(subgroups["difference"].to_numpy(dtype=float))
     table = subgroups[is_defined].head(MOST_GROUPS)

@@ -8,15 +8,15 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.comparison import Result
+from nvcore.common.palette import Theme
+from nvcore.common.wording import count_text, number
+from nvcore.comparison.compare import Result
+from nvcore.dataset.schema import MISS_CLASS_TEXT, Category, MissClass
 from nvcore.figures.marks import marks, still_line
 from nvcore.figures.style import LOOK, Names, faded, plain, system_label, which_is_which
 from nvcore.metrics.encounters import RELEVANT_K
-from nvcore.objects import Objects
-from nvcore.palette import Theme
-from nvcore.schema import MISS_CLASS_TEXT, Category, MissClass
+from nvcore.settings.objects import Objects
 from nvcore.tables.encounters.weightings import Weightings
-from nvcore.wording import count_text, number
 
 LABELS: Final = {"x": "X", "y": "Y", "x_or_y": "X or Y", "x_and_y": "X and Y"}
 CLASS_WORDS: Final = {

@@ -8,14 +8,14 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
+from nvcore.common.palette import Theme
+from nvcore.common.wording import count_text
 from nvcore.dataset import Dataset
 from nvcore.figures.marks import marks, rule
 from nvcore.figures.style import EDGE_PX, HEADING_PX, LOOK, ChartLook, faded, system_label, write
 from nvcore.metrics.proximity import in_use, sigmoid
 from nvcore.metrics.proximity.borrowing import weighing_truth
-from nvcore.palette import Theme
-from nvcore.params import Params
-from nvcore.wording import count_text
+from nvcore.settings.params import Params
 
 SMALL_PX: Final = 180
 """Height of the figure in the sidebar."""
@@ -36,7 +36,7 @@ def score_plot(
     Parameters
     ----------
     histogram
-        `nvcore.detection.operating_point.score_histogram`.
+        `nvcore.metrics.detection.operating_point.score_histogram`.
     letter
         "x" or "y".
     """
@@ -85,7 +85,7 @@ def false_alarm_plot(
     Parameters
     ----------
     curve
-        `nvcore.detection.operating_point.false_alarm_curve`.
+        `nvcore.metrics.detection.operating_point.false_alarm_curve`.
     letter
         "x" or "y".
     """

@@ -10,7 +10,10 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.comparison import Result
+from nvcore.common.palette import Theme
+from nvcore.common.subject import contributed
+from nvcore.common.wording import count_text
+from nvcore.comparison.compare import Result
 from nvcore.figures.marks import click_markers, outlines, still_line
 from nvcore.figures.over_time import LEAST_TOP, OverTime, frame_texts
 from nvcore.figures.style import (
@@ -22,11 +25,8 @@ from nvcore.figures.style import (
     system_label,
     which_is_which,
 )
-from nvcore.palette import Theme
-from nvcore.subjects import contributed
 from nvcore.tables.lanes import lanes_table
 from nvcore.tables.loss_strip import LossStrip
-from nvcore.wording import count_text
 
 MAX_LANES: Final = 200
 """Default number of encounters drawn."""
@@ -111,7 +111,7 @@ def lanes_figure(
     The most severe failures are on top. Filled: matched. Hollow and hatched: missed. Pale: not
     near enough to count. A bar in a lane: the last chance to stop. Above the lanes stands the time
     to contact with the nearest pedestrian, if any is approached. Shaded: stretches with a code
-    (`nvcore.settings.Settings.codes`). A click gives frame and encounter:
+    (`nvcore.settings.defaults.Settings.codes`). A click gives frame and encounter:
     `customdata` is the row in ``dataset.frames`` and that in ``result.encounters``.
 
     Parameters

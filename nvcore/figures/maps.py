@@ -13,6 +13,18 @@ import pandas as pd
 import plotly.graph_objects as go
 from scipy.ndimage import binary_dilation, binary_erosion, distance_transform_edt
 
+from nvcore.common.palette import Theme
+from nvcore.common.wording import count_text
+from nvcore.evidence.stability.axes import Axis
+from nvcore.evidence.stability.map import StabilityMap
+from nvcore.evidence.stability.notes import (
+    CRITERIA,
+    QUANTITY,
+    UNDEFINED,
+    settings_text,
+    share_text,
+    winner_text,
+)
 from nvcore.figures.marks import cells, click_markers, still_line
 from nvcore.figures.style import (
     CLEAR,
@@ -26,20 +38,8 @@ from nvcore.figures.style import (
     written,
 )
 from nvcore.metrics.cost_map import CostMap
-from nvcore.objects import Objects, labels_in_order
-from nvcore.palette import Theme
-from nvcore.stability.axes import Axis
-from nvcore.stability.map import StabilityMap
-from nvcore.stability.notes import (
-    CRITERIA,
-    QUANTITY,
-    UNDEFINED,
-    settings_text,
-    share_text,
-    winner_text,
-)
+from nvcore.settings.objects import Objects, labels_in_order
 from nvcore.tables.classes import read_share
-from nvcore.wording import count_text
 
 INSIDE_PX: Final = (620, 300)
 """Approximate width and height of the map itself."""

@@ -11,12 +11,12 @@ import pandas as pd
 import plotly.graph_objects as go
 from tsdownsample import MinMaxLTTBDownsampler
 
-from nvcore.comparison import Result
+from nvcore.common.palette import Theme
+from nvcore.common.wording import count_text, number
+from nvcore.comparison.compare import Result
 from nvcore.figures.marks import click_markers, row_texts, rule, still_line
 from nvcore.figures.style import HEADING_PX, LOOK, ChartLook, faded, plain, system_label, write
 from nvcore.metrics.losses import lost_per_minute
-from nvcore.palette import Theme
-from nvcore.wording import count_text, number
 
 TimeLayout = Literal["time", "upright", "side_by_side"]
 

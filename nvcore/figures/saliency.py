@@ -8,13 +8,13 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.comparison import Result
+from nvcore.common.palette import Theme
+from nvcore.common.wording import count_text
+from nvcore.comparison.compare import Result
 from nvcore.figures.marks import marks, row_texts, still_line, with_gaps
 from nvcore.figures.style import CLEAR, LOOK, faded, plain, system_label
 from nvcore.metrics.saliency import recency_weight
-from nvcore.palette import Theme
 from nvcore.tables.result import recordings_table
-from nvcore.wording import count_text
 
 MAX_EVENTS: Final = 1000
 """Maximum number of events of each system on the curve, the most salient first."""

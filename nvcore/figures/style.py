@@ -10,8 +10,17 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 import plotly.graph_objects as go
 
+from nvcore.common.palette import (
+    TRUTH_COLOUR,
+    X_COLOUR,
+    Y_COLOUR,
+    Scheme,
+    Shade,
+    Theme,
+    rgb,
+    scheme_of,
+)
 from nvcore.figures.marks import marks
-from nvcore.palette import TRUTH_COLOUR, X_COLOUR, Y_COLOUR, Scheme, Shade, Theme, rgb, scheme_of
 
 Names: TypeAlias = tuple[str, str]
 """Names of X and Y."""

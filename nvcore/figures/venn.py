@@ -17,13 +17,13 @@ import pandas as pd
 import plotly.graph_objects as go
 from scipy.optimize import brentq
 
+from nvcore.common.palette import Theme
+from nvcore.common.wording import count_text
+from nvcore.dataset.schema import CATEGORY_WORDS, Category
 from nvcore.figures.marks import click_markers, marks
 from nvcore.figures.style import EDGE_PX, HIDDEN_AXIS, LOOK, ChartLook, Names, faded, plain, written
 from nvcore.metrics.venn import Venn
-from nvcore.objects import Objects
-from nvcore.palette import Theme
-from nvcore.schema import CATEGORY_WORDS, Category
-from nvcore.wording import count_text
+from nvcore.settings.objects import Objects
 
 REGIONS: Final = (Category.BOTH, Category.X_ONLY, Category.Y_ONLY, Category.NEITHER)
 IN_CIRCLES: Final = REGIONS[:3]

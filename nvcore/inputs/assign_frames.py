@@ -10,14 +10,17 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
+from nvcore.common.errors import InputError, MissingFactError
+from nvcore.common.memory import check_room
+from nvcore.common.wording import listed
 from nvcore.dataset import INPUT_COLUMNS, Dataset
 from nvcore.dataset.provenance import Provenance, provenance_json
+from nvcore.dataset.schema import BOX_DTYPES, TRUTH
 from nvcore.dataset.sources import ReadAs
 from nvcore.dataset.tables import dataset_from_tables, what_is_stated
-from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.evaluated_frames import frames_there, own_frames, parse_frames
 from nvcore.inputs.facts import is_open_range
-from nvcore.inputs.hashes import changed_input
+from nvcore.inputs.files.hashes import changed_input
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Format, Reading, SourceFile
 from nvcore.inputs.readers.meaning.classes import merged
@@ -32,9 +35,6 @@ from nvcore.inputs.recordings import (
     single_frames,
 )
 from nvcore.inputs.session import SYSTEM_KEYS_OF_SUBJECTS, Session
-from nvcore.memory import check_room
-from nvcore.schema import BOX_DTYPES, TRUTH
-from nvcore.wording import listed
 
 REASONS: Final = (
     "",

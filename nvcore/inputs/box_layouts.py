@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Final
 
-from nvcore.errors import MissingFactError, SessionError
+from nvcore.common.errors import MissingFactError, SessionError
 
 if TYPE_CHECKING:
     import numpy as np

@@ -16,15 +16,15 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.codes import COLUMNS, CodedInterval
+from nvcore.common.errors import InputError, ParameterError
+from nvcore.common.findings import Finding
+from nvcore.common.wording import MOST_NAMED, count_text, did_you_mean, listed
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, ParameterError
-from nvcore.findings import Finding
+from nvcore.dataset.schema import SAME_S
 from nvcore.inputs.readers.base import rows_finding
 from nvcore.inputs.readers.parse.table import read_table
 from nvcore.inputs.session import Session
-from nvcore.schema import SAME_S
-from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
+from nvcore.settings.codes import COLUMNS, CodedInterval
 
 MOST_CODES: Final = 10_000
 

@@ -8,20 +8,20 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.arguments import PathLike, called_with
-from nvcore.errors import InputError, MissingFactError
-from nvcore.findings import Finding, Remedy, Step
-from nvcore.inputs.arguments import ConvertArguments
+from nvcore.common.arguments import PathLike, called_with
+from nvcore.common.errors import InputError, MissingFactError
+from nvcore.common.findings import Finding, Remedy, Step
 from nvcore.inputs.evaluated_frames import frames_by_recording, infer_frames, own_frames
 from nvcore.inputs.facts import objects_named, size_from
-from nvcore.inputs.files import find_files
+from nvcore.inputs.files.find import find_files
+from nvcore.inputs.files.pipes import pipes_kept
 from nvcore.inputs.load import read_options, read_source
-from nvcore.inputs.pipes import pipes_kept
 from nvcore.inputs.readers import NOTHING
 from nvcore.inputs.readers.base import Format, Reading, Role, SourceFile
 from nvcore.inputs.session import Source
+from nvcore.inputs.session.arguments import ConvertArguments
 from nvcore.inputs.writers import format_by_name, write, write_frame_lists
-from nvcore.objects import PEDESTRIAN, Objects
+from nvcore.settings.objects import PEDESTRIAN, Objects
 
 DETECTIONS: Final = Step(Remedy.OPTION, "detections", "role")
 

@@ -10,12 +10,12 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import InputError, MissingFactError
+from nvcore.common.errors import InputError, MissingFactError
+from nvcore.common.memory import SPARSE
+from nvcore.common.wording import MOST_NAMED, listed, one_line
 from nvcore.inputs.facts import FRAME_RANGE, frame_range, is_frame_range
 from nvcore.inputs.readers.base import Reading, SourceFile
 from nvcore.inputs.readers.meaning.values import MAX_FRAMES
-from nvcore.memory import SPARSE
-from nvcore.wording import MOST_NAMED, listed, one_line
 
 MIN_SAMPLED: Final = 8
 """Smallest number of annotated frames whose common step counts as regular sampling."""

@@ -10,10 +10,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from nvcore.arguments import Size
-from nvcore.errors import InputError, SessionError
-from nvcore.objects import Objects, objects_from
-from nvcore.settings import MAX_FPS, MIN_FPS
+from nvcore.common.arguments import Size
+from nvcore.common.errors import InputError, SessionError
+from nvcore.settings.defaults import MAX_FPS, MIN_FPS
+from nvcore.settings.objects import Objects, objects_from
 
 P = TypeVar("P")
 FRAME_NAMES: Final = ("numbers", "times", "order", "scenes", "counter")

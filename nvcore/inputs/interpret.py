@@ -10,7 +10,8 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.findings import Finding, Severity
+from nvcore.common.findings import Finding, Severity
+from nvcore.dataset.schema import NO_TRACK
 from nvcore.inputs.readers.base import (
     NO_FRAME,
     Lines,
@@ -21,7 +22,6 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.meaning.frame_names import times_as_frames
 from nvcore.inputs.readers.meaning.names import LEAST_TIME, ONLY
-from nvcore.schema import NO_TRACK
 
 _SUBSET: Final = re.compile(
     r"(?:instances_|person_keypoints_|obj_)?"

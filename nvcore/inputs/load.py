@@ -1,6 +1,6 @@
 """Load a session as a `Dataset`, step by step.
 
-`load` reads each source: find its files and their format (`nvcore.inputs.files`), read columns
+`load` reads each source: find its files and their format (`nvcore.inputs.files.find`), read columns
 (`nvcore.inputs.readers`), interpret names (`nvcore.inputs.interpret`), normalize boxes
 (`nvcore.inputs.box_layouts`), correct a system. Then it names recordings as the session does,
 assigns frames (`nvcore.inputs.assign_frames`), and joins the other files of the session.
@@ -21,16 +21,18 @@ from typing import TypeVar
 import numpy as np
 import pandas as pd
 
+from nvcore.common.errors import InputError, UnnamedClassesError
+from nvcore.common.findings import Remedy, Step
+from nvcore.common.progress import Progress, no_progress
+from nvcore.common.subject import contributed
+from nvcore.common.wording import count_text
 from nvcore.dataset import Dataset, refuse_doubles
 from nvcore.dataset.provenance import Provenance, read_provenance
 from nvcore.dataset.tables import tables_fingerprint
-from nvcore.errors import InputError, UnnamedClassesError
-from nvcore.findings import Remedy, Step
-from nvcore.inputs.added import Input
 from nvcore.inputs.assign_frames import LoadedSource, place_sources
 from nvcore.inputs.box_layouts import sizes_given, with_layout
 from nvcore.inputs.codes import codes_beyond, with_codes
-from nvcore.inputs.files import digest, find_files, located, system_names
+from nvcore.inputs.files.find import digest, find_files, located, system_names
 from nvcore.inputs.interpret import (
     renamed_reading,
     with_names_interpreted,
@@ -49,13 +51,11 @@ from nvcore.inputs.readers.meaning.classes import class_names_beside
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.readers.table import read_table, table_as_file
 from nvcore.inputs.recordings import check_names
-from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.inputs.session.added import Input
+from nvcore.inputs.session.recordings_file import with_recordings_file
 from nvcore.inputs.speed import SPEEDS
-from nvcore.objects import PEDESTRIAN, Objects
-from nvcore.progress import Progress, no_progress
-from nvcore.subjects import contributed
-from nvcore.wording import count_text
+from nvcore.settings.objects import PEDESTRIAN, Objects
 
 S = TypeVar("S", bound=Source)
 

@@ -10,14 +10,14 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import InputError, MissingFactError
-from nvcore.file_kinds import as_stored
-from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
+from nvcore.common.errors import InputError, MissingFactError
+from nvcore.common.file_kinds import as_stored
+from nvcore.common.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
+from nvcore.common.wording import MOST_NAMED, count_text, did_you_mean, listed
 from nvcore.inputs.evaluated_frames import MIN_SAMPLED
 from nvcore.inputs.readers.base import Reading, rows_finding, warning
 from nvcore.inputs.session import Session
-from nvcore.settings import is_chosen
-from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
+from nvcore.settings.defaults import is_chosen
 
 MOST_SIGNS: Final = 1000
 """Longest name of a recording, since names are shown and used as file names."""

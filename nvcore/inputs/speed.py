@@ -16,15 +16,15 @@ from typing import Final
 
 import numpy as np
 
+from nvcore.common.errors import InputError
+from nvcore.common.wording import count_text
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError
-from nvcore.inputs.added import Input, with_files
-from nvcore.inputs.files import digest
+from nvcore.dataset.schema import SAME_S
+from nvcore.inputs.files.find import digest
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.table import read_series
 from nvcore.inputs.session import Session
-from nvcore.schema import SAME_S
-from nvcore.wording import count_text
+from nvcore.inputs.session.added import Input, with_files
 
 SUBJECT: Final = "speed"
 """Name of the files in `Dataset.inputs`."""

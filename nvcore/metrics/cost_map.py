@@ -7,12 +7,12 @@ from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
-from nvcore.columns import BoxColumns, FrameColumns
-from nvcore.errors import ParameterError
+from nvcore.common.errors import ParameterError
+from nvcore.common.wording import count_text
+from nvcore.dataset.columns import BoxColumns, FrameColumns
 from nvcore.metrics.proximity import in_use, sigmoid
 from nvcore.metrics.similarity import border_at
-from nvcore.params import Params
-from nvcore.wording import count_text
+from nvcore.settings.params import Params
 
 N_COLUMNS: Final = 128
 N_ROWS: Final = 96

@@ -13,11 +13,11 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.codes import NO_CODE
-from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
+from nvcore.dataset.columns import BoxColumns, FrameColumns
+from nvcore.dataset.schema import CLASS_SEPARATOR, SAME_S
 from nvcore.metrics.encounters import Encounters, encounters_of
-from nvcore.schema import CLASS_SEPARATOR, SAME_S
+from nvcore.settings.codes import NO_CODE
 
 CROSSING: Final = "crossing"
 IN_ROAD: Final = "in_road"

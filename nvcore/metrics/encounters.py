@@ -8,13 +8,13 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
+from nvcore.dataset.columns import BoxColumns, FrameColumns
+from nvcore.dataset.schema import UNKNOWN_OCCLUSION, MissClass
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.encounters import encounter_frames, group_rows
 from nvcore.metrics.linking import TruthTracks, track_truth
-from nvcore.params import Params
-from nvcore.schema import UNKNOWN_OCCLUSION, MissClass
+from nvcore.settings.params import Params
 
 SHORT_SHARE: Final = 0.5
 """Share of one-frame encounters above which encounters are frames rather than people."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.dataset.columns import BoxColumns, FrameColumns
 from nvcore.metrics.linking import link_boxes
 
 EPISODE_COLUMNS = ("recording", "first_row", "last_row", "n_boxes", "duration_s")

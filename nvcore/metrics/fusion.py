@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
+from nvcore.dataset.columns import BoxColumns, FrameColumns
+from nvcore.dataset.schema import DATASET_BOX_DTYPES, DETECTABILITY_COLUMNS, TRUTH, conform
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.pairs import pair_frames
 from nvcore.metrics.proximity.borrowing import share_borrowed
-from nvcore.schema import DATASET_BOX_DTYPES, DETECTABILITY_COLUMNS, TRUTH, conform
-from nvcore.settings import Settings
+from nvcore.settings.defaults import Settings
 
 
 def pair_detections(

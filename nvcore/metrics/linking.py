@@ -7,9 +7,9 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.dataset.columns import BoxColumns, FrameColumns
+from nvcore.dataset.schema import NO_TRACK
 from nvcore.metrics.kernels.linking import link_rows
-from nvcore.schema import NO_TRACK
 
 LINK_IOU: Final = 0.3
 """Smallest IoU of two boxes of one track in successive frames."""

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from nvcore.columns import FrameColumns
+from nvcore.dataset.columns import FrameColumns
 
 
 def lost_per_minute(similarity: np.ndarray, step_s: np.ndarray) -> float:

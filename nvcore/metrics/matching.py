@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
+from nvcore.dataset.columns import BoxColumns, FrameColumns
+from nvcore.dataset.schema import DetectionState
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.frames import match_frames
-from nvcore.params import Params
-from nvcore.schema import DetectionState
+from nvcore.settings.params import Params
 
 Boxes = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 """x, y, w, h of boxes, px."""

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import scipy
 
-from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.dataset.columns import BoxColumns, FrameColumns
 from nvcore.metrics.encounters import RELEVANT_K, Encounters
 from nvcore.metrics.similarity import SetDistances, miss_terms
-from nvcore.params import Params
+from nvcore.settings.params import Params
 
 EVENT_COLUMNS = (
     "recording",

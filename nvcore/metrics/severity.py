@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.dataset.columns import BoxColumns, FrameColumns
 from nvcore.metrics.encounters import Encounters
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.encounters import severity_frames

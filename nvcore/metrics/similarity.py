@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.dataset.columns import BoxColumns, FrameColumns
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.frames import maximin_frames, maximum_frames, nearest_frames
-from nvcore.params import Distance
+from nvcore.settings.params import Distance
 
 
 @dataclass(frozen=True)

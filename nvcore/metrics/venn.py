@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 import scipy
 
-from nvcore.schema import Category
+from nvcore.dataset.schema import Category
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ the note has values, the entry has an ``example`` of them, in which a table with
 note itself. Line breaks of a template become spaces.
 
 Templates use the values of the note, the words for the objects (``{{ one }}``, ``{{ many }}``, see
-`nvcore.wording.objects`) and the filters of `_FILTERS`. A note among the values is rendered in
-place, and a list of notes as "one, another and a third". Undefined names are errors. The result is
-plain text, which the caller escapes for its medium.
+`nvcore.common.wording.objects`) and the filters of `_FILTERS`. A note among the values is rendered
+in place, and a list of notes as "one, another and a third". Undefined names are errors. The result
+is plain text, which the caller escapes for its medium.
 """
 
 from __future__ import annotations
@@ -20,11 +20,8 @@ from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING, Any, Final
 
-from nvcore.measures.table import difference_text, inference_of, size_text
-from nvcore.notes.caveats import caveats
-from nvcore.objects import Objects
-from nvcore.subjects import subjects
-from nvcore.wording import (
+from nvcore.common.subject import subjects
+from nvcore.common.wording import (
     capitalised,
     count_text,
     duration_text,
@@ -33,6 +30,9 @@ from nvcore.wording import (
     p_text,
     percent,
 )
+from nvcore.comparison.measures.table import difference_text, inference_of, size_text
+from nvcore.notes.caveats import caveats
+from nvcore.settings.objects import Objects
 
 if TYPE_CHECKING:
     from jinja2 import Environment, Template
@@ -79,7 +79,7 @@ def say(note: Note, objects: Objects, form: str = TEXT) -> str:
 
     Examples
     --------
-    >>> from nvcore.objects import PEDESTRIAN
+    >>> from nvcore.settings.objects import PEDESTRIAN
     >>> say(Note("alerts.no_oracle"), PEDESTRIAN)
     'The oracle has no effect because it is not known whether the driver sees a pedestrian.'
     """

@@ -6,8 +6,8 @@ from functools import cache
 from itertools import chain
 from typing import Final
 
-from nvcore.findings import Caveats
-from nvcore.subjects import contributed
+from nvcore.common.findings import Caveats
+from nvcore.common.subject import contributed
 
 CAVEATS: Final = Caveats(
     warned={

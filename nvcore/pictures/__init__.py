@@ -7,8 +7,8 @@
 Whatever comes from files is checked before it is decoded: sizes, archives, container formats.
 """
 
-from nvcore.extras import needs
-from nvcore.file_kinds import IMAGE_SUFFIXES
+from nvcore.common.extras import needs
+from nvcore.common.file_kinds import IMAGE_SUFFIXES
 
 with needs("report", "pictures need"):
     from nvcore.pictures.archive import Archive, ArchiveLimits

@@ -19,8 +19,8 @@ from pathlib import Path, PurePosixPath
 from threading import Lock
 from typing import IO, Final
 
-from nvcore.errors import MediaError
-from nvcore.wording import one_line
+from nvcore.common.errors import MediaError
+from nvcore.common.wording import one_line
 
 _CHUNK: Final = 1 << 20
 _MOST_FOLDERS: Final = 32

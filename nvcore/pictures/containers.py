@@ -15,7 +15,7 @@ from typing import Any, BinaryIO, Final
 
 import av
 
-from nvcore.errors import MediaError
+from nvcore.common.errors import MediaError
 from nvcore.pictures.header import MAX_PIXELS, check_size
 
 DAMAGED: Final = "is damaged or no such video; copy or convert it again (MP4 with H.264 is sure)"

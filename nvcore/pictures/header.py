@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from nvcore.errors import MediaError
+from nvcore.common.errors import MediaError
 
 MAX_PIXELS: Final = 100_000_000
 """Largest number of pixels. No camera of these drives makes larger pictures."""

@@ -14,15 +14,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.errors import MediaError
-from nvcore.file_kinds import IMAGE_SUFFIXES, composed
+from nvcore.common.errors import MediaError
+from nvcore.common.file_kinds import IMAGE_SUFFIXES, composed
+from nvcore.common.wording import MOST_NAMED, one_line
 from nvcore.pictures.archive import Archive
 from nvcore.pictures.base import Picture, Pictures, RecentPictures, check_index
 from nvcore.pictures.header import image_size, tiff_pages, with_first_page
 from nvcore.pictures.notes import PictureNote, PictureTrait
 from nvcore.pictures.series import Series, is_stray, series_of
 from nvcore.pictures.stretch import STRETCH, measured
-from nvcore.wording import MOST_NAMED, one_line
 
 _MAX_BYTES: Final = 1 << 29
 _SHOWN_FOLDERS: Final = 5

@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from nvcore.common.wording import capitalised, count_text
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.listing import NOT_WHOLE
 from nvcore.pictures.notes import MAY_MISLEAD, PictureTrait
-from nvcore.wording import capitalised, count_text
 
 NO_FRAMES: Final = np.empty(0, np.int64)
 _SAME_SHAPE: Final = 0.02

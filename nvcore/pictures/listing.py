@@ -12,7 +12,7 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.errors import MediaError
+from nvcore.common.errors import MediaError
 from nvcore.pictures.containers import (
     DAMAGED,
     REORDERED,

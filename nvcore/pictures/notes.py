@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from nvcore.wording import count_text, listed, one_line
+from nvcore.common.wording import count_text, listed, one_line
 
 MOST_PLACES: Final = 100
 """Number of places that a note names."""

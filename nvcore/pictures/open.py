@@ -6,15 +6,15 @@ import glob
 import os
 from pathlib import Path
 
-from nvcore.errors import MediaError
-from nvcore.file_kinds import as_stored, binary_kind
+from nvcore.common.errors import MediaError
+from nvcore.common.file_kinds import as_stored, binary_kind
+from nvcore.common.wording import one_line
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.containers import video_format
 from nvcore.pictures.header import is_image
 from nvcore.pictures.images import Images, archive_as_pictures, file_bytes, folder_as_pictures
 from nvcore.pictures.series import series_of
 from nvcore.pictures.video import Video
-from nvcore.wording import one_line
 
 
 def open_pictures(path: Path) -> Pictures:

@@ -10,16 +10,16 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from nvcore.columns import FrameColumns
+from nvcore.common.errors import MediaError
+from nvcore.common.findings import Step
+from nvcore.common.wording import MOST_NAMED, listed, one_line
 from nvcore.dataset import Dataset
-from nvcore.errors import MediaError
-from nvcore.findings import Step
+from nvcore.dataset.columns import FrameColumns
 from nvcore.inputs.session import Session
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.index import FrameMap, NumberingRule, map_frames, size_note
 from nvcore.pictures.open import open_pictures
 from nvcore.pictures.stretch import STRETCH
-from nvcore.wording import MOST_NAMED, listed, one_line
 
 Source = Literal["pictures", "visible"]
 """Key of a session's ``[[recording]]`` that names pictures."""

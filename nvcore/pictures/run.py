@@ -9,10 +9,10 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from typing import Final, TypeVar
 
-from nvcore.errors import MediaError
+from nvcore.common.errors import MediaError
+from nvcore.common.progress import POLL_S, Progress
+from nvcore.common.wording import count_text, duration_text, one_line
 from nvcore.pictures.base import Picture, Pictures
-from nvcore.progress import POLL_S, Progress
-from nvcore.wording import count_text, duration_text, one_line
 
 P = TypeVar("P")
 T = TypeVar("T")

@@ -21,11 +21,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.errors import MediaError
-from nvcore.file_kinds import composed
-from nvcore.findings import Remedy, Step
+from nvcore.common.errors import MediaError
+from nvcore.common.file_kinds import composed
+from nvcore.common.findings import Remedy, Step
+from nvcore.common.wording import listed, one_line
 from nvcore.inputs.readers.meaning.names import DIGITS, MAX_DIGITS, frame_columns, times_in
-from nvcore.wording import listed, one_line
 
 _EXPORTED: Final = re.compile(r"(_(jpe?g|png|tiff?|bmp))?\.rf\.[0-9A-Za-z]{8,}$", re.IGNORECASE)
 """What Roboflow puts behind a name."""

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.errors import ParameterError
+from nvcore.common.errors import ParameterError
 from nvcore.pictures.base import Picture
 
 _MANY: Final = 0.002

@@ -16,7 +16,8 @@ from typing import Any, Final
 import av
 import numpy as np
 
-from nvcore.errors import MediaError
+from nvcore.common.errors import MediaError
+from nvcore.common.wording import one_line
 from nvcore.pictures.base import Picture, Pictures, RecentPictures, check_index
 from nvcore.pictures.containers import (
     DAMAGED,
@@ -26,7 +27,6 @@ from nvcore.pictures.containers import (
 )
 from nvcore.pictures.header import check_size
 from nvcore.pictures.listing import decoded, list_pictures
-from nvcore.wording import one_line
 
 _NEAR: Final = 8
 """Number of pictures before the wanted one that are cached on the way, for steps backwards."""

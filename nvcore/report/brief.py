@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from nvcore.comparison import Result
-from nvcore.findings import Finding, Severity
+from nvcore.common.findings import Finding, Severity
+from nvcore.common.wording import one_line, shortened
+from nvcore.comparison.compare import Result
 from nvcore.report.plan import planned_verdict
 from nvcore.report.terminal import (
     RECORDING_WIDTH,
@@ -21,7 +22,6 @@ from nvcore.report.terminal import (
 from nvcore.report.verdict import Verdict
 from nvcore.report.words import score_cells
 from nvcore.tables.scorecard import LEADING, pick_rows, score_rows
-from nvcore.wording import one_line, shortened
 
 MOST_LINES: Final = 35
 MOST_FINDINGS: Final = 3

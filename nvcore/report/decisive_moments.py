@@ -8,10 +8,10 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.dataset.schema import Category, MissClass
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.notes import Note, say
-from nvcore.schema import Category, MissClass
 from nvcore.tables.moments import worst_moments
 
 MOST: Final = 12

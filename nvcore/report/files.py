@@ -16,22 +16,22 @@ import numpy as np
 import pandas as pd
 
 from nvcore import __version__
-from nvcore.comparison import Result
+from nvcore.common.errors import InputError
+from nvcore.common.findings import Finding
+from nvcore.common.output.csv_text import to_csv_bytes
+from nvcore.common.output.files import MANIFEST, manifest, refuse_other_run, write_run
+from nvcore.common.output.parquet import to_parquet_bytes
+from nvcore.common.progress import Progress, no_progress
+from nvcore.comparison.compare import Result
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError
-from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.evidence.subgroups.table import subgroup_table
 from nvcore.evidence.table import evidence_table
-from nvcore.findings import Finding
-from nvcore.inputs.changes import stated
-from nvcore.inputs.hashes import source_hashes
+from nvcore.inputs.files.hashes import source_hashes
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.session import Session
-from nvcore.inputs.session_toml import write_session
-from nvcore.output.csv_text import to_csv_bytes
-from nvcore.output.files import MANIFEST, manifest, refuse_other_run, write_run
-from nvcore.output.parquet import to_parquet_bytes
-from nvcore.progress import Progress, no_progress
-from nvcore.settings import Settings
+from nvcore.inputs.session.changes import stated
+from nvcore.inputs.session.toml import write_session
+from nvcore.settings.defaults import Settings
 from nvcore.tables.boxes.matches import MATCHES, matches_parquet
 from nvcore.tables.classes import classes_table, has_classes
 from nvcore.tables.columns import table_contents
@@ -65,7 +65,7 @@ REPORT_FILES: Final = (
     *REPORT_CONTENTS,
     *(str(PurePath(name).with_suffix(".parquet")) for name in table_contents()),
 )
-"""Files that a report may have, in addition to `nvcore.output.files.MANIFEST`."""
+"""Files that a report may have, in addition to `nvcore.common.output.files.MANIFEST`."""
 
 
 AUDIT_FILES: Final = ("findings.csv", "finding_entries.csv", "horizons.csv")
@@ -166,7 +166,7 @@ def write_report(
 ) -> None:
     """Write all files of a report into a folder, which is created if missing.
 
-    They replace an older report at once; see `nvcore.output.files.write_run`.
+    They replace an older report at once; see `nvcore.common.output.files.write_run`.
 
     Parameters
     ----------

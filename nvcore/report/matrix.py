@@ -12,18 +12,10 @@ from typing import Any, Final, NamedTuple
 import pandas as pd
 
 from nvcore import __version__
-from nvcore.dataset import Dataset
-from nvcore.errors import InputError
-from nvcore.evidence.pairwise import systems_of
-from nvcore.evidence.units import MIN_RECORDINGS, WHOLE
-from nvcore.measures.table import evidence_form
-from nvcore.notes import Note, phrase
-from nvcore.objects import PEDESTRIAN
-from nvcore.output.csv_text import to_csv_bytes
-from nvcore.output.files import refuse_other_run, write_run
-from nvcore.params import Params
-from nvcore.tables.summary import without_nan
-from nvcore.wording import (
+from nvcore.common.errors import InputError
+from nvcore.common.output.csv_text import to_csv_bytes
+from nvcore.common.output.files import refuse_other_run, write_run
+from nvcore.common.wording import (
     Footnotes,
     aligned,
     count_text,
@@ -32,6 +24,14 @@ from nvcore.wording import (
     number,
     one_line,
 )
+from nvcore.comparison.measures.table import evidence_form
+from nvcore.dataset import Dataset
+from nvcore.evidence.pairwise import systems_of
+from nvcore.evidence.units import MIN_RECORDINGS, WHOLE
+from nvcore.notes import Note, phrase
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.settings.params import Params
+from nvcore.tables.summary import without_nan
 
 MATRIX_FILES: Final = ("matrix.csv", "matrix.json")
 HEAD: Final = ("first", "second", "first - second", "95 % interval", "p", "p (Holm)")

@@ -9,8 +9,11 @@ from typing import Any
 
 import pandas as pd
 
-from nvcore.arguments.plan import PlanArguments
-from nvcore.comparison import Result
+from nvcore.common.arguments.plan import PlanArguments
+from nvcore.common.findings import Finding
+from nvcore.common.wording import duration_text, percent
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.table import difference_text
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.measures import evidence_of, primary_of
 from nvcore.evidence.operating_points import are_unequal
@@ -23,13 +26,10 @@ from nvcore.evidence.planning.notes import (
 )
 from nvcore.evidence.planning.plan import Plan, plan_recordings
 from nvcore.evidence.table import judge_both
-from nvcore.findings import Finding
-from nvcore.measures.table import difference_text
 from nvcore.notes import Note
-from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.verdict import Verdict, verdict
+from nvcore.settings.protocols import PROTOCOLS, Protocol
 from nvcore.tables.summary import without_nan
-from nvcore.wording import duration_text, percent
 
 
 def verdict_plan(

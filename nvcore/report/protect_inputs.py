@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from nvcore.errors import InputError
-from nvcore.file_kinds import IMAGE_SUFFIXES
-from nvcore.inputs.files import find_files
+from nvcore.common.errors import InputError
+from nvcore.common.file_kinds import IMAGE_SUFFIXES
+from nvcore.inputs.files.find import find_files
 from nvcore.inputs.session import Session
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from nvcore.comparison import Result
+from nvcore.common.subject import contributed
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import Measure
 from nvcore.dataset import Dataset
-from nvcore.measures.entry import Measure
 from nvcore.notes import Note
-from nvcore.subjects import contributed
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.common.wording import minus, number, one_line, shortened
+from nvcore.comparison.compare import Result
 from nvcore.notes import Note, has_form, say
-from nvcore.objects import Objects
-from nvcore.wording import minus, number, one_line, shortened
+from nvcore.settings.objects import Objects
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go

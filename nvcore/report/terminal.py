@@ -9,13 +9,14 @@ from typing import Any, Final
 
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.common.findings import Finding, Severity
+from nvcore.common.wording import aligned, capitalised, count_text, one_line, shortened
+from nvcore.comparison.compare import Result
+from nvcore.comparison.scoring import SystemResult
 from nvcore.dataset import Dataset
 from nvcore.evidence.operating_points import point_note
-from nvcore.findings import Finding, Severity
 from nvcore.metrics.proximity.horizon import estimate_horizons
 from nvcore.notes import Note, phrase, say
-from nvcore.objects import Objects
 from nvcore.report.decisive_moments import Moment, main_moments
 from nvcore.report.plan import planned_verdict
 from nvcore.report.remarks import remarks_on
@@ -37,9 +38,8 @@ from nvcore.report.words import (
     sampling_note,
     scorecard_cells,
 )
-from nvcore.scoring import SystemResult
+from nvcore.settings.objects import Objects
 from nvcore.tables.inputs import inputs_table
-from nvcore.wording import aligned, capitalised, count_text, one_line, shortened
 
 MOST_RECORDINGS = 40
 """Maximum number of recordings for printing pictures or estimated horizons."""

@@ -9,16 +9,16 @@ from typing import Any, Final
 
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.common.wording import difference, duration_text, minus, number
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.table import doubt_of, inference_of, measure_of, shown_as
+from nvcore.comparison.measures.values import duration_of_recordings
 from nvcore.evidence.bootstrap import MIN_UNITS
 from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import Companions, is_unsure
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
-from nvcore.measures.table import doubt_of, inference_of, measure_of, shown_as
-from nvcore.measures.values import duration_of_recordings
 from nvcore.notes import Note
-from nvcore.wording import difference, duration_text, minus, number
 
 REACH: Final = 1.12
 """Half the length of a difference's axis, as a multiple of the largest value on it."""

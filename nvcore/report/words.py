@@ -8,22 +8,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import FrameColumns
-from nvcore.comparison import Result
-from nvcore.dataset import Dataset
-from nvcore.evidence.measures import ODDS_RATIO, Evidence
-from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.units import BLOCKS, MIN_RECORDINGS, count_whole
-from nvcore.inputs.evaluated_frames import nth
-from nvcore.measures.entry import MeasureTable
-from nvcore.measures.table import evidence_form, has_several_recordings
-from nvcore.measures.values import relevant_share
-from nvcore.notes import Note
-from nvcore.params import Params
-from nvcore.scoring import SystemResult
-from nvcore.tables.classes import names_classes, read_share
-from nvcore.tables.scorecard import ScoreRow, score_rows
-from nvcore.wording import (
+from nvcore.common.wording import (
     UNDEFINED,
     Footnotes,
     count_text,
@@ -31,6 +16,21 @@ from nvcore.wording import (
     interval_text,
     number,
 )
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import MeasureTable
+from nvcore.comparison.measures.table import evidence_form, has_several_recordings
+from nvcore.comparison.measures.values import relevant_share
+from nvcore.comparison.scoring import SystemResult
+from nvcore.dataset import Dataset
+from nvcore.dataset.columns import FrameColumns
+from nvcore.evidence.measures import ODDS_RATIO, Evidence
+from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.evidence.units import BLOCKS, MIN_RECORDINGS, count_whole
+from nvcore.inputs.evaluated_frames import nth
+from nvcore.notes import Note
+from nvcore.settings.params import Params
+from nvcore.tables.classes import names_classes, read_share
+from nvcore.tables.scorecard import ScoreRow, score_rows
 
 FEW_MISSES: Final = 5
 """Phi is explained only if both systems have at least this many misses."""

@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.comparison.scoring import SystemResult
+from nvcore.dataset.schema import NO_LABEL
 from nvcore.metrics.matching import Matches, match_boxes
 from nvcore.metrics.shares import Share, share_of
-from nvcore.schema import NO_LABEL
-from nvcore.scoring import SystemResult
 from nvcore.tables.column import CellKind, Column
 
 CLASS_COLUMNS: Final[tuple[Column, ...]] = (

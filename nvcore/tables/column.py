@@ -1,12 +1,16 @@
-"""Column of the report: its name, unit, type and meaning."""
+"""Column of the report: its name, unit, type and meaning; and the columns that subjects add."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Final
+from itertools import chain
+from typing import Any, Final
 
-from nvcore.measures.entry import Condition, Measure
+from nvcore.common.subject import contributed
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import Condition, Measure, is_met
 
 
 class CellKind(StrEnum):
@@ -32,7 +36,7 @@ class Column:
     unit
         Unit or range; empty for none.
     meaning
-        One sentence; a template with words of the objects (`nvcore.wording.objects`).
+        One sentence; a template with words of the objects (`nvcore.common.wording.objects`).
     better
         ``"high"`` or ``"low"`` if one is better, else empty.
     empty
@@ -71,3 +75,44 @@ def of_both(*columns: Column) -> tuple[Column, ...]:
 
 
 RECORDING: Final = Column("recording", CellKind.TEXT, "", "Name of the recording.")
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Columns of one file that follow the core's own.
+
+    Attributes
+    ----------
+    file
+        Name of the file, such as ``encounters.csv``.
+    columns
+        Columns in order.
+    values
+        Function that returns the values by column name.
+    only_if
+        Condition for including them in the file; None: always included.
+    """
+
+    file: str
+    columns: tuple[Column, ...]
+    values: Callable[[Result], Mapping[str, Any]]
+    only_if: Condition | None = None
+
+
+def added_columns(file: str) -> tuple[Column, ...]:
+    """Return the columns that subjects add to a file, in order."""
+    return tuple(
+        replace(column, only_if=part.only_if)
+        for part in chain(*contributed("columns"))
+        if part.file == file
+        for column in part.columns
+    )
+
+
+def added_values(file: str, result: Result) -> dict[str, Any]:
+    """Return the values of the `added_columns` that a comparison has, by name."""
+    values: dict[str, Any] = {}
+    for part in chain(*contributed("columns")):
+        if part.file == file and is_met(part.only_if, result):
+            values |= part.values(result)
+    return values

@@ -9,11 +9,11 @@ from typing import Final, NamedTuple
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.comparison.scoring import SystemResult
+from nvcore.dataset.schema import DetectionState, TruthState
 from nvcore.metrics.proximity import in_use
 from nvcore.metrics.similarity import border_of, miss_terms
-from nvcore.schema import DetectionState, TruthState
-from nvcore.scoring import SystemResult
 from nvcore.tables.boxes.states import gather_boxes
 
 

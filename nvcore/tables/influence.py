@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
-from nvcore.measures.values import (
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.values import (
     detected_by_recording,
     duration_of_recordings,
     episodes_by_recording,

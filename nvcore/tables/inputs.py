@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
+from nvcore.common.findings import Cases, Finding
+from nvcore.common.output.cvat import cvat_bytes
 from nvcore.dataset import Dataset
+from nvcore.dataset.schema import NO_TRACK
 from nvcore.dataset.sources import ReadAs, left_out_text
-from nvcore.findings import Cases, Finding
 from nvcore.metrics.proximity.horizon import Horizon, estimate_horizons
-from nvcore.output.cvat import cvat_bytes
-from nvcore.schema import NO_TRACK
 from nvcore.tables.columns import column_names
 
 NO_ROW = -1

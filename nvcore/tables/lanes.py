@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.comparison.scoring import SystemResult
+from nvcore.dataset.schema import NO_TRACK
 from nvcore.metrics.encounters import RELEVANT_K
-from nvcore.schema import NO_TRACK
-from nvcore.scoring import SystemResult
 
 
 class LaneState(StrEnum):

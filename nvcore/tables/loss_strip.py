@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.comparison import Result
-from nvcore.measures.values import lost_per_minute_by_recording
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.values import lost_per_minute_by_recording
 
 N_BINS: Final = 240
 MOST_RECORDINGS: Final = 60

@@ -7,11 +7,11 @@ from typing import Final, NamedTuple
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.comparison.scoring import SystemResult
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.similarity import runs_of
 from nvcore.notes import Note, say
-from nvcore.scoring import SystemResult
 from nvcore.tables.lanes import miss_starts
 
 NEVER: Final = -1

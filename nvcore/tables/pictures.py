@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from nvcore.common.wording import one_line
 from nvcore.dataset import Dataset
-from nvcore.wording import one_line
 
 if TYPE_CHECKING:  # the light core has no pictures
     from nvcore.pictures import RecordingPictures

@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from nvcore.codes import CodedInterval
-from nvcore.comparison import Result
+from nvcore.common.findings import Finding
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import is_met
+from nvcore.comparison.measures.table import MEASURES, hides_rate
+from nvcore.comparison.measures.values import duration_of_recordings, per_recording
 from nvcore.dataset.copies import units_of
-from nvcore.findings import Finding
-from nvcore.measures.entry import is_met
-from nvcore.measures.table import MEASURES, hides_rate
-from nvcore.measures.values import duration_of_recordings, per_recording
+from nvcore.dataset.schema import NO_TRACK, Category, integers_of
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.saliency import EVENT_COLUMNS
-from nvcore.schema import NO_TRACK, Category, integers_of
-from nvcore.tables.added import added_values
+from nvcore.settings.codes import CodedInterval
+from nvcore.tables.column import added_values
 from nvcore.tables.columns import column_names
 
 

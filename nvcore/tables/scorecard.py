@@ -6,10 +6,9 @@ import math
 from collections.abc import Collection, Sequence
 from typing import Final, NamedTuple
 
-from nvcore.comparison import Result
-from nvcore.detection.curve_summary import CurveSummary
-from nvcore.measures.entry import Better, Measure, MeasureTable
-from nvcore.measures.table import (
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import Better, Measure, MeasureTable
+from nvcore.comparison.measures.table import (
     applies_to,
     doubt_of,
     hides_rate,
@@ -17,6 +16,7 @@ from nvcore.measures.table import (
     measure_of,
     measures_in,
 )
+from nvcore.metrics.detection.curve_summary import CurveSummary
 
 LEADING: Final = tuple(
     measure.key for measure in measures_in(MeasureTable.SCORECARD) if measure.leads
@@ -38,7 +38,7 @@ class ScoreRow(NamedTuple):
     better
         ``higher`` or ``lower``. Empty: neither.
     is_doubtful
-        True if nothing is claimed of it for any values (`nvcore.measures.doubt_of`).
+        True if nothing is claimed of it for any values (`nvcore.comparison.measures.doubt_of`).
     level
         0, or 1 for a part of the row above.
     needs_tracks

@@ -7,8 +7,8 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
-from nvcore.measures.values import lost_per_minute_by_recording
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.values import lost_per_minute_by_recording
 from nvcore.notes import Note
 
 ALL: Final = "all recordings"

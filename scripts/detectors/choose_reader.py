@@ -16,8 +16,8 @@ from unittest.mock import patch
 
 import numpy as np
 
-from nvcore.detectors import classifier
-from nvcore.detectors.classifier import Classifier, train_classifier
+from nvcore.subjects.detectors import classifier
+from nvcore.subjects.detectors.classifier import Classifier, train_classifier
 from scripts.detectors.sign_data import (
     CHOOSING,
     SPEED_LIMITS,

@@ -17,8 +17,8 @@ from pathlib import Path
 from time import process_time
 from typing import Any, Final
 
-from nvcore.detection import scale_steps
-from nvcore.detectors.icf import AS_IN_REPORT, SIGNS, IcfDetector, IcfSettings
+from nvcore.metrics.detection import scale_steps
+from nvcore.subjects.detectors.icf import AS_IN_REPORT, SIGNS, IcfDetector, IcfSettings
 from scripts.detectors.sign_data import CHOOSING, SignScene, read_scenes
 from scripts.detectors.sign_examples import Examples, examples, train_signs
 from scripts.detectors.sign_measures import Measured, measure

@@ -17,8 +17,8 @@ from typing import Final
 import cv2
 import numpy as np
 
-from nvcore.detectors.icf import Scene
-from nvcore.detectors.icf.windows import LazyScenes
+from nvcore.subjects.detectors.icf import Scene
+from nvcore.subjects.detectors.icf.windows import LazyScenes
 
 _LIMITS: Final = ("20", "30", "50", "60", "70", "80", "", "100", "120")
 SPEED_LIMITS: Final = {number: limit for number, limit in enumerate(_LIMITS) if limit}

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
-from nvcore.detectors.icf import SIGNS, IcfModel, IcfSettings, train
+from nvcore.subjects.detectors.icf import SIGNS, IcfModel, IcfSettings, train
 from scripts.detectors.sign_data import (
     CHOOSING,
     TESTED,

@@ -11,17 +11,17 @@ import pandas as pd
 
 import nvcore as nv
 from nvcore.dataset import Dataset
-from nvcore.detection import DetectionCurve, detection_curve, detection_outcomes, pr_auc
-from nvcore.detection.miss_rate import log_average_miss_rate
-from nvcore.detectors.icf import IcfDetector
-from nvcore.detectors.icf.cascade import passes
-from nvcore.detectors.icf.channels import check_picture
-from nvcore.detectors.icf.windows import object_windows, window_values
-from nvcore.detectors.suppression import suppress
+from nvcore.metrics.detection import DetectionCurve, detection_curve, detection_outcomes, pr_auc
+from nvcore.metrics.detection.miss_rate import log_average_miss_rate
 from nvcore.metrics.matching import match_system
 from nvcore.metrics.shares import share_of
-from nvcore.params import Params
-from nvcore.protocols import PROTOCOLS
+from nvcore.settings.params import Params
+from nvcore.settings.protocols import PROTOCOLS
+from nvcore.subjects.detectors.icf import IcfDetector
+from nvcore.subjects.detectors.icf.cascade import passes
+from nvcore.subjects.detectors.icf.channels import check_picture
+from nvcore.subjects.detectors.icf.windows import object_windows, window_values
+from nvcore.subjects.detectors.suppression import suppress
 from scripts.detectors.sign_data import Crop, SignScene, read_rgb
 
 SIZE = (1360, 800)

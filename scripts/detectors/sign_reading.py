@@ -8,7 +8,7 @@ from time import perf_counter
 
 import numpy as np
 
-from nvcore.detectors.classifier import Classifier, train_classifier
+from nvcore.subjects.detectors.classifier import Classifier, train_classifier
 from scripts.detectors.sign_data import (
     SPEED_LIMITS,
     TESTED,

@@ -1,7 +1,8 @@
 """Train or evaluate the pedestrian model of the sample recordings, which ships as `icf:sample`.
 
-    python -m scripts.detectors.train_sample             # writes nvcore/detectors/models/sample.npz
-    python -m scripts.detectors.train_sample --evaluate  # on recordings that it was not trained on
+    python -m scripts.detectors.train_sample             # writes
+    nvcore/subjects/detectors/models/sample.npz python -m scripts.detectors.train_sample --evaluate
+    # on recordings that it was not trained on
 
 The settings were chosen on `oncoming_glare` and `rural_child`, with a model of four others of
 `TRAINED`. The same versions of OpenCV and of the video library give the same bytes.
@@ -17,11 +18,11 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 import nvcore as nv
-from nvcore.detection import DetectionCurve, detection_curve
-from nvcore.detection.miss_rate import log_average_miss_rate
-from nvcore.detectors.registry import SAMPLE_MODEL
-from nvcore.params import Params
-from nvcore.protocols import PROTOCOLS
+from nvcore.metrics.detection import DetectionCurve, detection_curve
+from nvcore.metrics.detection.miss_rate import log_average_miss_rate
+from nvcore.settings.params import Params
+from nvcore.settings.protocols import PROTOCOLS
+from nvcore.subjects.detectors.registry import SAMPLE_MODEL
 from tools.sample.camera import N_FRAMES
 
 SESSION: Final = Path(__file__).resolve().parents[2] / "sample_data" / "session.toml"

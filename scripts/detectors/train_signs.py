@@ -16,7 +16,7 @@ import argparse
 from dataclasses import replace
 from pathlib import Path
 
-from nvcore.detectors.icf import AS_IN_REPORT, SIGNS, read_model, write_model
+from nvcore.subjects.detectors.icf import AS_IN_REPORT, SIGNS, read_model, write_model
 from scripts.detectors.sign_data import CHOOSING, TESTED, held_out, read_crops, read_scenes
 from scripts.detectors.sign_examples import examples, train_signs
 from scripts.detectors.sign_measures import LEAST_PX, measure, rejected

@@ -21,11 +21,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from nvcore.detectors.icf import IcfDetector
-from nvcore.detectors.icf.model import from_bytes, to_bytes
-from nvcore.driver.estimator_report import render_estimator
-from nvcore.driver.estimators import model_file as driver_file
-from nvcore.output.model_files import pack
+from nvcore.common.output.model_files import pack
+from nvcore.subjects.detectors.icf import IcfDetector
+from nvcore.subjects.detectors.icf.model import from_bytes, to_bytes
+from nvcore.subjects.detectors.registry import SAMPLE_MODEL
+from nvcore.subjects.driver.estimators import model_file as driver_file
+from nvcore.subjects.driver.evaluation.estimator_report import render_estimator
 from scripts.fuzz.target import mutated_text, target
 
 _OF_JSON: Final = re.compile(rb"(/\S+) (.*)", re.DOTALL)
@@ -33,9 +34,9 @@ _OF_ARRAY: Final = re.compile(rb"(\w+) (\d{1,6})([=+-])((?:[0-9a-f]{2})*)")
 _MOST_CHANGES: Final = 16
 
 
-def changed(content: bytes, room: str) -> bytes:
-    """Return the sample's model of this kind with changes, repacked."""
-    members = dict(_sample_members(room))
+def changed(content: bytes, sample: Path) -> bytes:
+    """Return a model file of the sample with changes, repacked."""
+    members = dict(_sample_members(sample))
     about = json.loads(members["about"])
     texts: list[bytes] = []
     for line in content.split(b"\n")[:_MOST_CHANGES]:
@@ -63,10 +64,10 @@ def changed(content: bytes, room: str) -> bytes:
     return packed.getvalue()
 
 
-def changes(room: str) -> Iterator[bytes]:
+def changes(sample: Path) -> Iterator[bytes]:
     """Yield each JSON value unchanged and as a list, and each array changed in three places."""
     yield b""
-    members = _sample_members(room)
+    members = _sample_members(sample)
     lines = []
     for path, value in _values(json.loads(members["about"])):
         text = json.dumps(value)  # long values contain shorter ones that are yielded by themselves
@@ -81,9 +82,8 @@ def changes(room: str) -> Iterator[bytes]:
 
 
 @cache
-def _sample_members(room: str) -> dict[str, bytes]:
+def _sample_members(path: Path) -> dict[str, bytes]:
     """Return JSON and arrays of the sample's model as files."""
-    path = Path(driver_file.__file__).parents[2] / room / "models" / "sample.npz"
     with zipfile.ZipFile(path) as archive:
         members = {name.removesuffix(".npy"): archive.read(name) for name in archive.namelist()}
     stored = np.lib.format.read_array(io.BytesIO(members["about"]), allow_pickle=False)
@@ -121,20 +121,22 @@ def _picture() -> np.ndarray:
     return np.random.default_rng(0).integers(0, 255, (44, 32), dtype=np.uint8)
 
 
-@target(partial(changes, "detectors"), share=1.0, most_bytes=1024, mutate=mutated_text)
+@target(partial(changes, SAMPLE_MODEL), share=1.0, most_bytes=1024, mutate=mutated_text)
 def detectors(content: bytes, _folder: Path) -> None:
     """Read a changed detector, check its round trip, and run it on a small picture."""
-    model = from_bytes(changed(content, "detectors"), "model.npz")
+    model = from_bytes(changed(content, SAMPLE_MODEL), "model.npz")
     written = to_bytes(model)
     assert to_bytes(from_bytes(written, "again.npz")) == written, "another model"
     boxes = IcfDetector(model).detect(_picture())
     assert np.isfinite(boxes.score).all(), "scores that are no numbers"
 
 
-@target(partial(changes, "driver"), share=1.0, most_bytes=1024, mutate=mutated_text)
+@target(
+    partial(changes, driver_file.SAMPLE_ESTIMATOR), share=1.0, most_bytes=1024, mutate=mutated_text
+)
 def estimators(content: bytes, _folder: Path) -> None:
     """Read a changed estimator, check its round trip, and compute estimates."""
-    estimator = driver_file.from_bytes(changed(content, "driver"), "model.npz")
+    estimator = driver_file.from_bytes(changed(content, driver_file.SAMPLE_ESTIMATOR), "model.npz")
     written = driver_file.to_bytes(estimator)
     again = driver_file.from_bytes(written, "again.npz")
     assert driver_file.to_bytes(again) == written, "another estimator"

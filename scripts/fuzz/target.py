@@ -10,7 +10,7 @@ from pathlib import Path
 from random import Random
 from typing import Final, TypeVar
 
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
 
 Read = TypeVar("Read")
 Run = Callable[[bytes, Path], None]

@@ -2,7 +2,7 @@
 
 Each takes bytes and an empty folder, and may reject them or return.
 
-A rejection is an `nvcore.errors.NvcoreError`. Any other exception is a fault, including an
+A rejection is an `nvcore.common.errors.NvcoreError`. Any other exception is a fault, including an
 AssertionError of the checks below.
 """
 
@@ -30,21 +30,21 @@ import pyarrow.parquet as pq
 from starlette.applications import Starlette
 
 from nvcore.auditing import audit
-from nvcore.comparison import compare
+from nvcore.comparison.compare import compare
+from nvcore.comparison.measures.table import MEASURES
+from nvcore.dataset.schema import READING_DTYPES
 from nvcore.inputs.evaluated_frames import own_frames
-from nvcore.inputs.files import find_files
+from nvcore.inputs.files.find import find_files
 from nvcore.inputs.load import load, read_options
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.measures.table import MEASURES
-from nvcore.objects import PEDESTRIAN
 from nvcore.pictures.archive import Archive, ArchiveLimits
 from nvcore.pictures.open import open_pictures
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg
 from nvcore.report.terminal import render_findings
-from nvcore.schema import READING_DTYPES
+from nvcore.settings.objects import PEDESTRIAN
 from scripts.fuzz import models, texts  # noqa: F401  # these modules register targets
 from scripts.fuzz.target import DATA, PARTS, SAMPLE, TARGETS, target, written
 from ui.session.routes import routes_below

@@ -22,48 +22,48 @@ import pyarrow as pa
 import pyarrow.csv
 import scipy
 
-from nvcore.alerts.inputs import with_alerts
-from nvcore.alerts.policy import read_policy
-from nvcore.alerts.steps import alerts_in
-from nvcore.arguments.groups import GroupArguments
-from nvcore.comparison import Result, compare
+from nvcore.common.arguments.groups import GroupArguments
+from nvcore.common.output.csv_text import to_csv_bytes
+from nvcore.comparison.compare import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import provenance_json, read_provenance
-from nvcore.driver.features import FEATURE_KEYS
-from nvcore.driver.fixation import read_gaze
-from nvcore.driver.illumination.meter import read_light
-from nvcore.driver.inputs.joining import read_detectability
-from nvcore.driver.inputs.study_tables import TRIAL_COLUMNS
-from nvcore.driver.study.pictures import read_pictures
-from nvcore.driver.trials.table import training_table
-from nvcore.fleet.location import Location
-from nvcore.fleet.query import worst
-from nvcore.group_statistics.comparison import compare_groups
+from nvcore.evidence.groups.comparison import compare_groups
 from nvcore.inputs.codes import codes_beyond, with_codes
 from nvcore.inputs.evaluated_frames import parse_frames
 from nvcore.inputs.facts import is_frame_range
 from nvcore.inputs.load import load
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
-from nvcore.inputs.recordings_file import read_recordings_file
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
-from nvcore.inputs.session_toml import read_session, write_session
+from nvcore.inputs.session.recordings_file import read_recordings_file
+from nvcore.inputs.session.toml import read_session, write_session
 from nvcore.inputs.speed import FASTEST_KMH, with_speeds
-from nvcore.output.csv_text import to_csv_bytes
-from nvcore.params import Params
 from nvcore.pictures.index import map_frames
 from nvcore.pictures.open import open_pictures
-from nvcore.ratings.agreement import measure_agreement, rank_ratings
-from nvcore.ratings.clip_task import RatingStore
-from nvcore.ratings.reading import parse_ratings
-from nvcore.ratings.worth import read_alerts
 from nvcore.report.gate.measures import measure_names
 from nvcore.report.gate.outcomes import judge
 from nvcore.report.gate.rules import read_rules
 from nvcore.report.terminal import render_findings
+from nvcore.settings.params import Params
+from nvcore.subjects.alerts.inputs import with_alerts
+from nvcore.subjects.alerts.policy import read_policy
+from nvcore.subjects.alerts.steps import alerts_in
+from nvcore.subjects.driver.features import FEATURE_KEYS
+from nvcore.subjects.driver.illumination.meter import read_light
+from nvcore.subjects.driver.inputs.fixation import read_gaze
+from nvcore.subjects.driver.inputs.joining import read_detectability
+from nvcore.subjects.driver.inputs.study_tables import TRIAL_COLUMNS
+from nvcore.subjects.driver.study.pictures import read_pictures
+from nvcore.subjects.driver.trials.table import training_table
+from nvcore.subjects.fleet.location import Location
+from nvcore.subjects.fleet.query import worst
+from nvcore.subjects.ratings.agreement import measure_agreement, rank_ratings
+from nvcore.subjects.ratings.clip_task import RatingStore
+from nvcore.subjects.ratings.reading import parse_ratings
+from nvcore.subjects.ratings.worth import read_alerts
 from scripts.fuzz.target import DATA, PARTS, SAMPLE, mutated_text, read_toml, target, written
 from ui.access.login import read_login, section_of
-from ui.driver.study.on_screen import answer_of, sent_by_browser
+from ui.subjects.driver.study.on_screen import answer_of, sent_by_browser
 from ui.widgets.text import plain
 
 PICTURE: Final = bytes(cv2.imencode(".png", np.zeros((4, 6), np.uint8))[1])
@@ -409,7 +409,9 @@ def judged(content: bytes, folder: Path) -> None:
 )
 def filters(content: bytes, folder: Path) -> None:
     """Parse conditions for the worst rows of a scan's results."""
-    with patch("nvcore.fleet.query._dataset", lambda _results, table, _versions: _RESULTS[table]):
+    with patch(
+        "nvcore.subjects.fleet.query._dataset", lambda _results, table, _versions: _RESULTS[table]
+    ):
         str(worst(Location(folder), where=content.decode("utf-8", "replace")))
 
 

@@ -24,7 +24,7 @@ from pathlib import Path
 from random import Random
 from typing import Any, Final
 
-from nvcore.errors import NvcoreError
+from nvcore.common.errors import NvcoreError
 from scripts.fuzz.target import ROOT, mutated_text
 from scripts.fuzz.targets import TARGETS
 

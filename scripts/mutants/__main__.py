@@ -34,7 +34,7 @@ RESULTS = STORE / "results.jsonl"
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
 QUALITY = ROOT / "docs" / "quality.md"
 MARKS = ("<!-- mutants: written by `scripts.mutants table` -->", "<!-- end of mutants -->")
-FOLDERS = ("nvcore/metrics", "nvcore/evidence", "nvcore/detection", "nvcore/inputs")
+FOLDERS = ("nvcore/metrics", "nvcore/evidence", "nvcore/metrics/detection", "nvcore/inputs")
 
 
 def pick_sample(folders: Sequence[str], size: int, seed: int) -> dict[str, list[Mutant]]:

@@ -7,9 +7,9 @@ import pytest
 from approach import ALL, LATE, met
 from figure_parts import trace, words
 
-from nvcore.alerts.figures import alert_trade_off, alerts_in_time, alerts_over_time
-from nvcore.alerts.steps import alerts_in
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.subjects.alerts.figures import alert_trade_off, alerts_in_time, alerts_over_time
+from nvcore.subjects.alerts.steps import alerts_in
 
 
 @pytest.fixture(scope="module")

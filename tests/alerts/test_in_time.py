@@ -12,7 +12,14 @@ from approach import ALL, PLACE, approach, met
 from builders import make_dataset
 from places import SAMPLE
 
-from nvcore.alerts.in_time import (
+from nvcore.comparison.compare import Result, compare
+from nvcore.evidence.bootstrap import expanded_tail
+from nvcore.inputs.load import load
+from nvcore.inputs.session.toml import read_session
+from nvcore.notes import say
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.settings.params import Params
+from nvcore.subjects.alerts.in_time import (
     NEVER,
     REACTIONS,
     InTime,
@@ -22,15 +29,8 @@ from nvcore.alerts.in_time import (
     judge_in_time,
     slack_at_onset,
 )
-from nvcore.alerts.notes import doubt_of_kind
-from nvcore.comparison import Result, compare
-from nvcore.evidence.bootstrap import expanded_tail
-from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
-from nvcore.notes import say
-from nvcore.objects import PEDESTRIAN
-from nvcore.params import Params
-from nvcore.time_left.steps import confirmed_by, is_in_time, time_left_of
+from nvcore.subjects.alerts.notes import doubt_of_kind
+from nvcore.subjects.time_left.steps import confirmed_by, is_in_time, time_left_of
 
 EXACTLY = {"own": Reaction(1.2, 0.0)}
 

@@ -14,11 +14,11 @@ from inputs import nvcore as run
 from inputs import write
 
 import nvcore as nv
-from nvcore.alerts.policy import named_policy
-from nvcore.alerts.steps import AlertsView, alerts_in
-from nvcore.errors import InputError, ParameterError
-from nvcore.inputs.session_toml import read_session, write_session
+from nvcore.common.errors import InputError, ParameterError
+from nvcore.inputs.session.toml import read_session, write_session
 from nvcore.metrics.encounter_classes import classes_of
+from nvcore.subjects.alerts.policy import named_policy
+from nvcore.subjects.alerts.steps import AlertsView, alerts_in
 
 HEAD = "frame,x,y,w,h,score,track"
 

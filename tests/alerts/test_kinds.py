@@ -10,16 +10,15 @@ import pytest
 from approach import ALL, PLACE, approach, only
 from builders import NAN, Box, at, make_dataset, result_of
 
-from nvcore.alerts.episodes import AlertKind
-from nvcore.alerts.measures import MEASURES
-from nvcore.alerts.notes import alert_notes
-from nvcore.alerts.section import SECTIONS
-from nvcore.alerts.steps import alerts_in
-from nvcore.alerts.text import render_alerts
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
 from nvcore.notes import say
-from nvcore.objects import PEDESTRIAN, SPEED_SIGN
-from nvcore.params import Params
+from nvcore.settings.objects import PEDESTRIAN, SPEED_SIGN
+from nvcore.settings.params import Params
+from nvcore.subjects.alerts.episodes import AlertKind
+from nvcore.subjects.alerts.measures import MEASURES
+from nvcore.subjects.alerts.notes import alert_notes
+from nvcore.subjects.alerts.section import SECTIONS, render_alerts
+from nvcore.subjects.alerts.steps import alerts_in
 
 # The car reaches the pedestrian after 5 s; at 50 km/h the last chance is frame 29 (ten a second).
 LAST_CHANCE = 29

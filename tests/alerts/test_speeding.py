@@ -12,16 +12,16 @@ from inputs import nvcore as run
 from places import SAMPLE
 
 import nvcore as nv
-from nvcore.alerts.speeding import (
+from nvcore.common.errors import ParameterError
+from nvcore.dataset import Dataset
+from nvcore.settings.params import Params
+from nvcore.subjects.alerts.speeding import (
     NO_LIMIT,
     Speeding,
     find_speeding,
     judge_speeding,
     limit_of,
 )
-from nvcore.dataset import Dataset
-from nvcore.errors import ParameterError
-from nvcore.params import Params
 
 LABELS = ("30", "50", "80", "end of speed limit", "give way")
 N_FRAMES = 12

@@ -6,8 +6,8 @@ import pytest
 from approach import PLACE
 from builders import Box, at, make_dataset, result_of
 
-from nvcore.alerts.steps import alerts_in
-from nvcore.schema import NO_TRACK
+from nvcore.dataset.schema import NO_TRACK
+from nvcore.subjects.alerts.steps import alerts_in
 
 AT_ONCE = {"alert_on_s": 0.0, "alert_off_s": 0.0, "alert_least_s": 0.0, "alert_pause_s": 0.0}
 

@@ -8,9 +8,9 @@ from audit_comparison import dataset, find, truth_walk, walk, with_left_out, wit
 from builders import Box
 
 from nvcore.auditing import audit
-from nvcore.errors import InputError
-from nvcore.findings import Finding, Severity
-from nvcore.params import AUDIT_SETTINGS, SETTINGS, Params
+from nvcore.common.errors import InputError
+from nvcore.common.findings import Finding, Severity
+from nvcore.settings.params import AUDIT_SETTINGS, SETTINGS, Params
 
 
 def test_a_clean_comparison_has_no_finding() -> None:

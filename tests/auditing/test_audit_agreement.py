@@ -10,12 +10,12 @@ from audit_comparison import N, codes, dataset, drawn, find, reported, truth_wal
 from builders import Box, make_dataset
 
 from nvcore.auditing import audit
-from nvcore.comparison import compare
+from nvcore.common.findings import Finding, Remedy, Severity
+from nvcore.comparison.compare import compare
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, Remedy, Severity
 from nvcore.notes import Note
-from nvcore.params import Params
 from nvcore.report.verdict import verdict
+from nvcore.settings.params import Params
 
 
 def extra(x: float, **more: Any) -> list[Box]:

@@ -9,8 +9,8 @@ from builders import Box, Place, make_dataset
 
 from nvcore.auditing import audit
 from nvcore.auditing.boxes import repeated_rows
+from nvcore.common.findings import Remedy, Step
 from nvcore.dataset import Dataset
-from nvcore.findings import Remedy, Step
 
 STILL = [Box(f, 100, 200, 40, 100, track=1, score=0.5 + f / 100) for f in range(N)]
 FRACTIONS = [Box(f, 0.3, 0.4, 0.1, 0.2, score=0.5 + f / 100) for f in range(N)]

@@ -12,10 +12,10 @@ from audit_comparison import dataset, find, truth_walk, walk, with_left_out, wit
 from builders import Box, Place, make_dataset
 
 from nvcore.auditing import audit
-from nvcore.findings import Cases, Finding, Severity
+from nvcore.common.findings import Cases, Finding, Severity
 from nvcore.inputs.load import read_source
 from nvcore.inputs.session import Source
-from nvcore.params import Params
+from nvcore.settings.params import Params
 from nvcore.tables import entries_as_cvat, entry_frames, finding_entries
 
 

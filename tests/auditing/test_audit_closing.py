@@ -11,8 +11,8 @@ from builders import Box, Place, make_dataset
 from nvcore.auditing import audit
 from nvcore.auditing.closing import audit_closing_speed, closing_speeds
 from nvcore.dataset import Dataset
-from nvcore.objects import objects_from
-from nvcore.params import Params
+from nvcore.settings.objects import objects_from
+from nvcore.settings.params import Params
 
 M_PER_FRAME = 10 / 36
 """At ten frames a second, 10 km/h."""

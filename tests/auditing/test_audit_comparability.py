@@ -8,11 +8,11 @@ import pytest
 from audit_comparison import codes, dataset, drawn, find, truth_walk, walk
 from builders import NAN, Box, Place, make_dataset
 
-from nvcore.comparison import compare
+from nvcore.common.findings import Remedy, Severity, Step
+from nvcore.comparison.compare import compare
 from nvcore.dataset import Dataset
 from nvcore.evidence.operating_points import are_unequal
-from nvcore.findings import Remedy, Severity, Step
-from nvcore.params import Params
+from nvcore.settings.params import Params
 
 FRAMES = 40
 

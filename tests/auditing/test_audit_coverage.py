@@ -4,8 +4,8 @@ import pytest
 from audit_comparison import N, codes, dataset, find, reported, truth_walk, walk
 from builders import Box, Place
 
-from nvcore.comparison import compare
-from nvcore.findings import Severity
+from nvcore.common.findings import Severity
+from nvcore.comparison.compare import compare
 
 TWO = (Place(range(N), 640, 480, 10.0),) * 2
 BOTH = (*walk(track=1), *walk(track=1, recording=1))

@@ -13,12 +13,12 @@ from field_files import session_of, written
 from field_scene import PERSON, RIGHT, SIZE, detections, found, truth
 
 from nvcore.auditing import audit
-from nvcore.comparison import compare
-from nvcore.findings import Finding, Severity
+from nvcore.common.findings import Finding, Severity
+from nvcore.comparison.compare import compare
 from nvcore.inputs.box_layouts import BoxLayout
-from nvcore.inputs.changes import applied
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.inputs.session.changes import applied
 
 
 def layout_findings(session: Session) -> list[Finding]:

@@ -12,12 +12,12 @@ from field_scene import PERSON, detections, truth
 from inputs import nvcore
 
 from nvcore.auditing import audit
-from nvcore.findings import Finding, Remedy, Severity, Step
-from nvcore.inputs.changes import applied
+from nvcore.common.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source
-from nvcore.inputs.session_toml import read_session, write_session
-from nvcore.params import Params
+from nvcore.inputs.session.changes import applied
+from nvcore.inputs.session.toml import read_session, write_session
+from nvcore.settings.params import Params
 
 
 def blind(folder, *names: str) -> Session:

@@ -11,11 +11,11 @@ from builders import Box, make_dataset
 from nvcore.auditing import audit, transforms
 from nvcore.auditing.transform_search import trial_of
 from nvcore.auditing.transforms import above_threshold
+from nvcore.common.findings import Finding, Severity
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.params import Params
+from nvcore.settings.params import Params
 
 SUSPICIONS = {"time-offset", "pixel-offset", "scale-mismatch"}
 

@@ -7,9 +7,9 @@ import pytest
 from builders import Box, Place, make_dataset
 
 from nvcore.auditing.perspective import MIN_BOXES, audit_foot_spread, foot_spread
+from nvcore.common.findings import Remedy, Step
 from nvcore.dataset import Dataset
-from nvcore.findings import Remedy, Step
-from nvcore.params import Params
+from nvcore.settings.params import Params
 
 
 def standing(rows_px: float, columns_px: float, *, n: int = MIN_BOXES, recording: int = 0) -> list:

@@ -14,11 +14,11 @@ from picture_files import number_in, numbered, write_numbered_video, write_pictu
 from pictured_drives import write_drive
 
 from nvcore.auditing import opened_pictures, picture_findings
+from nvcore.common.findings import Finding, Remedy, Severity, Step
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, Remedy, Severity, Step
-from nvcore.inputs.changes import applied
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.changes import applied
+from nvcore.inputs.session.toml import read_session
 from nvcore.pictures import session_pictures
 from nvcore.pictures.notes import PictureNote, PictureTrait
 from nvcore.pictures.video import Video

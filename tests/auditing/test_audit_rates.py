@@ -14,7 +14,7 @@ from field_scene import FPS, PERSON, SIZE, detections, truth
 import nvcore as nv
 from nvcore.auditing import audit, audit_inputs, audit_system
 from nvcore.auditing.coverage import PART_CODE
-from nvcore.findings import Finding, Severity
+from nvcore.common.findings import Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
 

@@ -8,7 +8,7 @@ import pytest
 from audit_comparison import N, codes, dataset, find, truth_walk, walk
 from builders import Box, Place, make_dataset
 
-from nvcore.findings import Severity
+from nvcore.common.findings import Severity
 
 
 def crowd(right: float, bottom: float, *, recording: int = 0) -> list[Box]:

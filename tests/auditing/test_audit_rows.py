@@ -13,9 +13,9 @@ from inputs import drive, session_of
 from nvcore.auditing import audit
 from nvcore.auditing.cases import place
 from nvcore.auditing.rows import audit_left_out
+from nvcore.common.findings import Severity
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About, Provenance
-from nvcore.findings import Severity
 from nvcore.inputs.load import load
 
 

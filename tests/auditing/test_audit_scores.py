@@ -7,7 +7,7 @@ from audit_comparison import N, codes, dataset, find, reported, walk
 from builders import NAN, Box
 
 from nvcore.auditing import audit
-from nvcore.params import Params
+from nvcore.settings.params import Params
 
 
 @pytest.mark.parametrize(

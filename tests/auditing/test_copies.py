@@ -12,13 +12,13 @@ from builders import Box, Place, at, make_dataset
 
 from nvcore.auditing import audit_inputs
 from nvcore.auditing.copies import audit_copies, audit_pieces
-from nvcore.comparison import compare
+from nvcore.common.findings import Severity
+from nvcore.comparison.compare import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.copies import Copy, units_of
 from nvcore.evidence.planning.pilot import make_pilot
 from nvcore.evidence.table import judge_both
 from nvcore.evidence.units import BLOCKS, RECORDINGS, UNITS, count_whole, find_units, sum_units
-from nvcore.findings import Severity
 from nvcore.report.verdict import verdict
 
 

@@ -13,12 +13,12 @@ import pytest
 from field_scene import FPS, PERSON, RIGHT, SIZE, detections, found, truth
 
 from nvcore.auditing import audit
-from nvcore.comparison import compare
-from nvcore.findings import Finding, Severity
-from nvcore.inputs.changes import applied
+from nvcore.common.findings import Finding, Severity
+from nvcore.comparison.compare import compare
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.params import Params
+from nvcore.inputs.session.changes import applied
+from nvcore.settings.params import Params
 
 CODES = {"box-layout", "frame-rate", "time-offset", "pixel-offset", "scale-mismatch"}
 Change = Callable[[pd.DataFrame], pd.DataFrame]

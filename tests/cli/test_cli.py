@@ -12,7 +12,7 @@ from inputs import FACTS, drive, flags, mot_layout, nvcore, write
 from other_params import OTHER
 
 from nvcore.cli.options import flag_of
-from nvcore.output.files import LOCK
+from nvcore.common.output.files import LOCK
 
 
 def session(folder: Path, *more: str) -> Path:

@@ -11,7 +11,7 @@ import pytest
 from inputs import flags, mot_layout, nvcore, write
 from places import SAMPLE
 
-from nvcore.output.files import LOCK, MANIFEST
+from nvcore.common.output.files import LOCK, MANIFEST
 from nvcore.report.files import AUDIT_FILES
 
 

@@ -18,8 +18,8 @@ from places import ROOT
 from nvcore import __version__
 from nvcore.cli import main
 from nvcore.cli.options import flag_of
-from nvcore.errors import InputError
-from nvcore.params import SETTINGS
+from nvcore.common.errors import InputError
+from nvcore.settings.params import SETTINGS
 
 
 def test_help_starts_without_what_only_a_command_needs():
@@ -108,7 +108,7 @@ def test_a_gate_that_ends_early_never_says_that_a_rule_is_broken(
 
 
 WORK = {
-    "compare": "nvcore.comparison.compare",
+    "compare": "nvcore.comparison.compare.compare",
     "check": "nvcore.auditing.audit",
     "gate": "nvcore.report.gate.run_gate",
     "plan": "nvcore.evidence.planning.plan_recordings",

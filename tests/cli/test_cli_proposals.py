@@ -10,9 +10,9 @@ from inputs import flags, mot_layout, nvcore, write
 from PIL import Image
 from places import DATA, SAMPLE
 
-from nvcore.errors import UnknownFormatError
-from nvcore.inputs.proposals import looks_like
+from nvcore.common.errors import UnknownFormatError
 from nvcore.inputs.readers import format_named
+from nvcore.inputs.session.proposals import looks_like
 
 
 @pytest.mark.parametrize(

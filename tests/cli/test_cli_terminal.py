@@ -8,7 +8,7 @@ import pytest
 from inputs import FACTS, drive, flags, mot_layout, nvcore, write
 from places import DATA
 
-from nvcore.inputs.files import paths_to_show
+from nvcore.inputs.files.find import paths_to_show
 from nvcore.inputs.session import Source
 
 

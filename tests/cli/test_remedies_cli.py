@@ -7,7 +7,7 @@ from field_files import session_of
 from field_scene import truth
 from inputs import nvcore
 
-from nvcore.inputs.session_toml import write_session
+from nvcore.inputs.session.toml import write_session
 
 
 @pytest.fixture

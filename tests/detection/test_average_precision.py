@@ -12,13 +12,13 @@ from builders import Box, make_dataset
 from curve_scenes import curve_of, random_boxes
 from faster_coco_eval import COCO, COCOeval_faster
 
-from nvcore.detection.average_precision import (
+from nvcore.metrics.detection.average_precision import (
     average_precision,
     average_precision_coco,
     pr_auc,
 )
-from nvcore.detection.curves import DetectionCurve, detection_curve
-from nvcore.params import Params
+from nvcore.metrics.detection.curves import DetectionCurve, detection_curve
+from nvcore.settings.params import Params
 
 AREAS = (average_precision, average_precision_coco, pr_auc)
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from curve_scenes import curve_of, random_dataset
 
-from nvcore.detection.curve_summary import summarise_curve
-from nvcore.detection.curves import detection_curve
-from nvcore.params import Params
+from nvcore.metrics.detection.curve_summary import summarise_curve
+from nvcore.metrics.detection.curves import detection_curve
+from nvcore.settings.params import Params
 
 
 def test_figures_by_hand():

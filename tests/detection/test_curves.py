@@ -10,10 +10,15 @@ from builders import Box, at, make_dataset
 from curve_scenes import curve_of, random_boxes, random_dataset
 from oracle import match as match_by_oracle
 
-from nvcore.detection.curves import CURVE_COLUMNS, curve_table, detection_curve, detection_outcomes
-from nvcore.detection.operating_point import operating_point
-from nvcore.errors import ParameterError
-from nvcore.params import Params
+from nvcore.common.errors import ParameterError
+from nvcore.metrics.detection.curves import (
+    CURVE_COLUMNS,
+    curve_table,
+    detection_curve,
+    detection_outcomes,
+)
+from nvcore.metrics.detection.operating_point import operating_point
+from nvcore.settings.params import Params
 
 
 def small():

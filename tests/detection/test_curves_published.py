@@ -10,13 +10,13 @@ import pytest
 from published import MEASURED, PUBLISHED
 
 from nvcore.dataset import Dataset
-from nvcore.detection.curves import DetectionCurve, detection_curve
-from nvcore.detection.filtered_truth import filter_truth
-from nvcore.detection.miss_rate import ROUNDED_REFERENCES, log_average_miss_rate
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.params import Params
-from nvcore.protocols import PROTOCOLS
+from nvcore.metrics.detection.curves import DetectionCurve, detection_curve
+from nvcore.metrics.detection.filtered_truth import filter_truth
+from nvcore.metrics.detection.miss_rate import ROUNDED_REFERENCES, log_average_miss_rate
+from nvcore.settings.params import Params
+from nvcore.settings.protocols import PROTOCOLS
 
 pytestmark = pytest.mark.realdata
 

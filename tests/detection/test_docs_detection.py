@@ -9,7 +9,7 @@ import pytest
 from places import ROOT
 from published import MEASURED, PUBLISHED
 
-from nvcore.protocols import OCCLUSION_WORDS, PROTOCOLS, Protocol
+from nvcore.settings.protocols import OCCLUSION_WORDS, PROTOCOLS, Protocol
 
 DOCS = ROOT / "docs"
 

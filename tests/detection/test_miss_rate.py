@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from curve_scenes import curve_of, random_dataset
 
-from nvcore.detection.curves import detection_curve
-from nvcore.detection.miss_rate import (
+from nvcore.common.errors import ParameterError
+from nvcore.metrics.detection.curves import detection_curve
+from nvcore.metrics.detection.miss_rate import (
     FPPI_REFERENCES,
     ROUNDED_REFERENCES,
     explain_few,
@@ -18,9 +19,8 @@ from nvcore.detection.miss_rate import (
     log_average_miss_rate,
     miss_rate_at,
 )
-from nvcore.errors import ParameterError
-from nvcore.objects import PEDESTRIAN
-from nvcore.params import Params
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.settings.params import Params
 
 
 def test_the_nine_references_are_even_in_logarithm():

@@ -6,10 +6,10 @@ import pytest
 from builders import Box, at, make_dataset
 
 from nvcore.dataset import Dataset
-from nvcore.detection.average_precision import average_precision, average_precision_coco
-from nvcore.detection.curves import DetectionCurve, detection_curve
-from nvcore.detection.miss_rate import log_average_miss_rate, miss_rate_at
-from nvcore.params import Params
+from nvcore.metrics.detection.average_precision import average_precision, average_precision_coco
+from nvcore.metrics.detection.curves import DetectionCurve, detection_curve
+from nvcore.metrics.detection.miss_rate import log_average_miss_rate, miss_rate_at
+from nvcore.settings.params import Params
 
 
 def curve(dataset: Dataset, system: str = "x") -> DetectionCurve:

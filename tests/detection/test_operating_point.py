@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from scenes import draw_scene
 
 from nvcore.dataset import Dataset
-from nvcore.detection.operating_point import (
+from nvcore.dataset.schema import DetectionState
+from nvcore.metrics.detection.operating_point import (
     CURVE_COLUMNS,
     alarms_at_rate,
     false_alarm_curve,
@@ -21,8 +22,7 @@ from nvcore.detection.operating_point import (
     score_histogram,
     threshold_for,
 )
-from nvcore.params import Params
-from nvcore.schema import DetectionState
+from nvcore.settings.params import Params
 
 PARAMS = Params(proximity="none")
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from builders import Place, make_dataset
 
-from nvcore.detection.windows import WindowGrid, scale_steps, windows_per_image
-from nvcore.errors import ParameterError
+from nvcore.common.errors import ParameterError
+from nvcore.metrics.detection.windows import WindowGrid, scale_steps, windows_per_image
 
 SIGNS = WindowGrid(64, 64, 6, scale_steps(1.0, 1.7, 0.1))
 HEADS = WindowGrid(30, 30, 1, scale_steps(1.0, 2.4, 0.2))

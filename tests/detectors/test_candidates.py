@@ -9,10 +9,15 @@ import numpy as np
 import pytest
 from onnx_models import blob_model
 
-from nvcore.detectors.candidates import candidates, counting, open_loosened, usual_threshold
-from nvcore.detectors.icf.settings import OF_A_RUN
-from nvcore.detectors.registry import open_detector, run_settings
-from nvcore.detectors.suppression import only
+from nvcore.subjects.detectors.candidates import (
+    candidates,
+    counting,
+    open_loosened,
+    usual_threshold,
+)
+from nvcore.subjects.detectors.icf.settings import OF_A_RUN
+from nvcore.subjects.detectors.registry import open_detector, run_settings
+from nvcore.subjects.detectors.suppression import only
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from nvcore.detectors.base import Detections, DetectorError
-from nvcore.detectors.classifier import (
+from nvcore.subjects.detectors.base import Detections, DetectorError
+from nvcore.subjects.detectors.classifier import (
     N_VALUES,
     SIDE,
     Classifier,

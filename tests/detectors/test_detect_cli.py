@@ -15,13 +15,13 @@ from inputs import nvcore
 from onnx_models import blob_model
 from places import SAMPLE
 
-from nvcore.detectors import run as run_module
-from nvcore.detectors.base import Detector
-from nvcore.detectors.icf import IcfSettings
-from nvcore.detectors.registry import SAMPLE_MODEL, open_detector
-from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR
-from nvcore.inputs.session_toml import read_session
-from nvcore.output.files import refuse_other_run
+from nvcore.common.output.files import refuse_other_run
+from nvcore.inputs.session.toml import read_session
+from nvcore.subjects.detectors.base import Detector
+from nvcore.subjects.detectors.icf import IcfSettings
+from nvcore.subjects.detectors.registry import SAMPLE_MODEL, open_detector
+from nvcore.subjects.detectors.running import run as run_module
+from nvcore.subjects.driver.estimators.model_file import SAMPLE_ESTIMATOR
 
 QUICK = ("--detector", "hog:daimler", "--set", "scale_step=1.3")
 PART = ("--only", "urban_crossing", "--frames", "40:80:8")

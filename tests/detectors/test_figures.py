@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 from figure_parts import shape, trace, words
 
-from nvcore.detectors.base import Detections
-from nvcore.detectors.figures import (
+from nvcore.common.palette import Scheme
+from nvcore.dataset.schema import DetectionState
+from nvcore.figures.style import LOOK, faded
+from nvcore.subjects.detectors.base import Detections
+from nvcore.subjects.detectors.figures import (
     boxes_plot,
     confidence_plot,
     pictures_plot,
@@ -19,13 +22,10 @@ from nvcore.detectors.figures import (
     training_plot,
     tree_plot,
 )
-from nvcore.detectors.icf.channels import PyramidLevel
-from nvcore.detectors.icf.detector import ScoreMap
-from nvcore.detectors.icf.displays import MOST_CELLS, Node, Tree, WindowPath, coarse_map
-from nvcore.detectors.icf.settings import IcfSettings
-from nvcore.figures.style import LOOK, faded
-from nvcore.palette import Scheme
-from nvcore.schema import DetectionState
+from nvcore.subjects.detectors.icf.channels import PyramidLevel
+from nvcore.subjects.detectors.icf.detector import ScoreMap
+from nvcore.subjects.detectors.icf.displays import MOST_CELLS, Node, Tree, WindowPath, coarse_map
+from nvcore.subjects.detectors.icf.settings import IcfSettings
 
 GREY = np.full((60, 80), 90, np.uint8)
 BOXES = Detections(

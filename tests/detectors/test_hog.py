@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from places import SAMPLE
 
-from nvcore.detectors.base import DetectorError
-from nvcore.detectors.hog import Hog, HogSettings, open_hog
 from nvcore.pictures import Picture, open_pictures
+from nvcore.subjects.detectors.base import DetectorError
+from nvcore.subjects.detectors.hog import Hog, HogSettings, open_hog
 
 
 @pytest.fixture(scope="module")

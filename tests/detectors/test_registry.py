@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from nvcore.detectors.base import DetectorError
-from nvcore.detectors.registry import DETECTORS, kind_of_file, open_detector
+from nvcore.subjects.detectors.base import DetectorError
+from nvcore.subjects.detectors.registry import DETECTORS, kind_of_file, open_detector
 
 
 def test_every_built_in_detector_opens_and_says_its_kind():

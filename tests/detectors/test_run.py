@@ -14,17 +14,17 @@ import numpy as np
 import pytest
 from picture_files import number_in, numbered, write_numbered_video, write_picture
 
+from nvcore.common.errors import InputError
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About
-from nvcore.detectors import run as run_module
-from nvcore.detectors.base import Detections, threads_for_a_picture
-from nvcore.detectors.run import Expectation, expect, run_detector
-from nvcore.detectors.suppression import sorted_detections
-from nvcore.errors import InputError
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
 from nvcore.pictures import Picture, RecordingPictures, session_pictures
+from nvcore.subjects.detectors.base import Detections, threads_for_a_picture
+from nvcore.subjects.detectors.running import run as run_module
+from nvcore.subjects.detectors.running.run import Expectation, expect, run_detector
+from nvcore.subjects.detectors.suppression import sorted_detections
 
 LOCK = threading.Condition()
 PATIENCE_S = 60.0

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import pytest
 
-from nvcore.detectors.base import DetectorError
-from nvcore.detectors.settings import facts_of, setting, settings_from, typed_like
+from nvcore.subjects.detectors.base import DetectorError
+from nvcore.subjects.detectors.settings import facts_of, setting, settings_from, typed_like
 
 
 @dataclass(frozen=True)

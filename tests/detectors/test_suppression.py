@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nvcore.detectors.suppression import sorted_detections, staying_boxes, suppress
+from nvcore.subjects.detectors.suppression import sorted_detections, staying_boxes, suppress
 
 BOXES = np.array([[0, 0, 10, 10], [5, 0, 10, 10], [100, 0, 10, 10], [0, 0, 10, 10]], float)
 SCORES = np.array([0.5, 0.9, 0.1, 0.2])

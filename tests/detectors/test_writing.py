@@ -11,13 +11,13 @@ import pytest
 
 import nvcore as nv
 from nvcore.auditing import audit
+from nvcore.common.errors import InputError
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About, TrainedOn, read_provenance
-from nvcore.detectors.run import DetectorRun, RecordingRun
-from nvcore.detectors.writing import WrittenRun, outputs, write_detections
-from nvcore.errors import InputError
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
+from nvcore.subjects.detectors.running.run import DetectorRun, RecordingRun
+from nvcore.subjects.detectors.running.writing import WrittenRun, outputs, write_detections
 
 ABOUT = About("hog", "HOG", ("pedestrian",), {"stride": 8}, "5f1c", threshold=0.25)
 

@@ -16,11 +16,11 @@ from inputs import nvcore
 from picture_files import write_picture
 from places import SAMPLE
 
-from nvcore.driver.commands import features
-from nvcore.driver.estimators import write_estimator
-from nvcore.driver.feature_record import about_features
-from nvcore.driver.features import FeatureSettings
-from nvcore.driver.illumination import LightSettings
+from nvcore.subjects.driver.calls.commands import features
+from nvcore.subjects.driver.estimators import write_estimator
+from nvcore.subjects.driver.features import FeatureSettings
+from nvcore.subjects.driver.features.feature_record import about_features
+from nvcore.subjects.driver.illumination import LightSettings
 
 IMAGES_HEAD = "image,pedestrian,x,y,w,h\n"
 

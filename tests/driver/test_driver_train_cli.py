@@ -10,11 +10,11 @@ from driver_trials import write_trials
 from inputs import nvcore
 
 import nvcore as nv
-from nvcore.driver.estimators import QUICK, Search, read_estimator
-from nvcore.driver.feature_record import record_beside, record_bytes
-from nvcore.driver.features import FeatureSettings
-from nvcore.driver.trials import Judging
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
+from nvcore.subjects.driver.estimators import QUICK, Search, read_estimator
+from nvcore.subjects.driver.features import FeatureSettings
+from nvcore.subjects.driver.features.feature_record import record_beside, record_bytes
+from nvcore.subjects.driver.trials import Judging
 
 SUBJECTS = ("A", "B", "C", "D", "E", "F")
 
@@ -22,7 +22,7 @@ SUBJECTS = ("A", "B", "C", "D", "E", "F")
 @pytest.fixture
 def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]:
     quick = Search(n_settings=1, n_folds=2)
-    monkeypatch.setattr("nvcore.driver.estimators.QUICK", quick)
+    monkeypatch.setattr("nvcore.subjects.driver.estimators.QUICK", quick)
     assert quick != QUICK
     return write_trials(tmp_path, 8, SUBJECTS)
 

@@ -15,22 +15,22 @@ import pytest
 from driver_estimators import CONTRAST, LAB, estimator, origin, regression
 from picture_files import write_picture
 
-from nvcore.comparison import compare
-from nvcore.driver.comparison.notes import source
-from nvcore.driver.estimate import (
+from nvcore.common.errors import InputError, ParameterError
+from nvcore.comparison.compare import compare
+from nvcore.inputs.load import load
+from nvcore.inputs.session.toml import read_session
+from nvcore.subjects.driver.calls.python import estimate_driver
+from nvcore.subjects.driver.comparison.notes import source
+from nvcore.subjects.driver.estimators import Estimator, Quality, write_estimator
+from nvcore.subjects.driver.features import FEATURE_KEYS, FeatureSettings
+from nvcore.subjects.driver.running.estimate import (
     DETECTABILITY_COLUMNS,
     EstimateRun,
     Steps,
     run_estimate,
     steps_between_periods,
 )
-from nvcore.driver.estimators import Estimator, Quality, write_estimator
-from nvcore.driver.face import estimate_driver
-from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
-from nvcore.driver.run import FeatureRun, run_features
-from nvcore.errors import InputError, ParameterError
-from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
+from nvcore.subjects.driver.running.run import FeatureRun, run_features
 
 
 def made(tmp_path: Path) -> Path:

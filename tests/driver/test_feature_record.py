@@ -6,9 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from nvcore.driver.feature_record import RECORD_FILE, about_features, record_beside, record_bytes
-from nvcore.driver.features import FeatureSettings
-from nvcore.errors import FormatError
+from nvcore.common.errors import FormatError
+from nvcore.subjects.driver.features import FeatureSettings
+from nvcore.subjects.driver.features.feature_record import (
+    RECORD_FILE,
+    about_features,
+    record_beside,
+    record_bytes,
+)
 
 WIDE = {"surround": 3.0, "bin_distance": 1.0}
 

@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from nvcore.driver.filter import (
+from nvcore.common.errors import ParameterError
+from nvcore.subjects.driver.filter import (
     FilterSettings,
     as_the_driver_sees,
     blur_px,
     contrast_threshold,
 )
-from nvcore.errors import ParameterError
 
 CONTRAST_ONLY = FilterSettings(blur_arcmin=0, threshold=0.22, gamma=2.2, veil_level=0)
 """At the change, contrasts of grey levels below 0.1 disappear."""

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nvcore.driver.fixation import FixedPoint, read_gaze
-from nvcore.errors import FormatError, InputError, ParameterError
+from nvcore.common.errors import FormatError, InputError, ParameterError
+from nvcore.subjects.driver.inputs.fixation import FixedPoint, read_gaze
 
 
 def gaze_file(folder: Path, *lines: str) -> Path:

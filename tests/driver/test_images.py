@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from picture_files import write_picture
 
-from nvcore.driver.feature_record import about_features, record_beside
-from nvcore.driver.features import FEATURE_KEYS, features_of
-from nvcore.driver.images import IMAGE_FEATURE_COLUMNS, image_features
-from nvcore.errors import FormatError, InputError
+from nvcore.common.errors import FormatError, InputError
+from nvcore.subjects.driver.features import FEATURE_KEYS, features_of
+from nvcore.subjects.driver.features.feature_record import about_features, record_beside
+from nvcore.subjects.driver.features.images import IMAGE_FEATURE_COLUMNS, image_features
 
 HEAD = "image,pedestrian,x,y,w,h"
 OF_FIXATION = f"{HEAD},fixation_x,fixation_y"

@@ -9,11 +9,16 @@ import pandas as pd
 import pytest
 from picture_files import write_numbered_video, write_picture
 
+from nvcore.common.errors import FormatError, InputError, ParameterError
 from nvcore.dataset import Dataset
-from nvcore.driver.features import FEATURE_KEYS, features_of
-from nvcore.driver.illumination import LightSettings, read_light
-from nvcore.driver.illumination.clock import adaptation_clock
-from nvcore.driver.run import (
+from nvcore.inputs.load import load
+from nvcore.inputs.session.toml import read_session
+from nvcore.notes import phrase
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.subjects.driver.features import FEATURE_KEYS, features_of
+from nvcore.subjects.driver.illumination import LightSettings, read_light
+from nvcore.subjects.driver.illumination.clock import adaptation_clock
+from nvcore.subjects.driver.running.run import (
     FEATURE_COLUMNS,
     FeatureRun,
     light_doubt,
@@ -21,12 +26,7 @@ from nvcore.driver.run import (
     open_recordings,
     run_features,
 )
-from nvcore.driver.settings import DriverViewSettings, settings_from
-from nvcore.errors import FormatError, InputError, ParameterError
-from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
-from nvcore.notes import phrase
-from nvcore.objects import PEDESTRIAN
+from nvcore.subjects.driver.settings import DriverViewSettings, settings_from
 
 BOX = (20.0, 10.0, 8.0, 16.0)
 FPS = 4

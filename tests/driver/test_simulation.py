@@ -9,10 +9,10 @@ import pandas as pd
 import pytest
 from driver_estimators import origin, regression
 
-from nvcore.driver.estimate import simulate_change
-from nvcore.driver.estimators import Estimator, Quality
-from nvcore.driver.features import FEATURE_KEYS
-from nvcore.errors import ParameterError
+from nvcore.common.errors import ParameterError
+from nvcore.subjects.driver.estimators import Estimator, Quality
+from nvcore.subjects.driver.features import FEATURE_KEYS
+from nvcore.subjects.driver.running.estimate import simulate_change
 
 END_S = np.array([1.0, 2.0, 3.0, 8.0])
 

@@ -23,10 +23,10 @@ from study_visit import (
 )
 
 import nvcore as nv
-from nvcore.driver.face import image_features
-from nvcore.driver.study.plan import plan_trials
-from nvcore.driver.study.settings import Timing
-from nvcore.driver.trials import Judging
+from nvcore.subjects.driver.calls.python import image_features
+from nvcore.subjects.driver.study.plan import plan_trials
+from nvcore.subjects.driver.study.settings import Timing
+from nvcore.subjects.driver.trials import Judging
 
 N_FRAMES = 30
 N_PICTURES = 16

@@ -10,7 +10,7 @@ import pytest
 from app_server import ROOT
 from playwright.sync_api import expect
 
-from nvcore.output.files import LOCK, MANIFEST
+from nvcore.common.output.files import LOCK, MANIFEST
 
 PLAY = """() => new Promise((resolve, reject) => {
   const video = document.querySelector("video");

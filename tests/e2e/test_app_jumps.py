@@ -118,10 +118,10 @@ def closer(part: str, then: Click) -> Click:
     return click
 
 
-VENN: Final = "ui/overview/venn.py"
-SALIENCY: Final = "ui/saliency/events.py:open_asked"
-ONE_ENCOUNTER: Final = "ui/encounters/details.py:_draw_ways"
-LAST_CHANCE: Final = "ui/time_left/approaches.py:_follow"
+VENN: Final = "ui/views/overview/venn.py"
+SALIENCY: Final = "ui/views/saliency/events.py:open_asked"
+ONE_ENCOUNTER: Final = "ui/views/encounters/details.py:_draw_ways"
+LAST_CHANCE: Final = "ui/subjects/time_left/approaches.py:_follow"
 IN_THE_SAMPLE: Final = (
     Jump(f"{VENN}:_open", "Overview", "Encounters", press("open_x_only")),
     Jump(f"{VENN}:_open", "Overview", "Encounters", press("open_y_only")),
@@ -130,10 +130,13 @@ IN_THE_SAMPLE: Final = (
     Jump(f"{VENN}:draw_worst", "Overview", "Timeline", row("overview_worst")),
     Jump(f"{VENN}:draw_worst", "Overview", "Encounters", press("overview_review")),
     Jump(
-        "ui/overview/strip.py:draw", "Overview", "Timeline", plot("loss_strip", SHARE, [0.6, 0.1])
+        "ui/views/overview/strip.py:draw",
+        "Overview",
+        "Timeline",
+        plot("loss_strip", SHARE, [0.6, 0.1]),
     ),
     Jump(
-        "ui/overview/moments.py:_moment",
+        "ui/views/overview/moments.py:_moment",
         "Overview",
         "Timeline",
         closer(
@@ -142,20 +145,20 @@ IN_THE_SAMPLE: Final = (
         ),
     ),
     Jump(
-        "ui/overview/scorecard.py:by_recording",
+        "ui/views/overview/scorecard.py:by_recording",
         "Overview",
         "Timeline",
         closer("Recording by recording", plot("by_recording")),
     ),
     Jump(
-        "ui/overview/moments.py:worst_windows",
+        "ui/views/overview/moments.py:worst_windows",
         "Overview",
         "Timeline",
         closer("Worst windows", row("windows")),
     ),
     Jump(ONE_ENCOUNTER, "Encounters", "Timeline", press("encounters_show")),
     Jump(
-        "ui/time_left/encounter.py:draw_ways",
+        "ui/subjects/time_left/encounter.py:draw_ways",
         "Encounters",
         "Timeline",
         press("encounters_show_chance"),
@@ -168,14 +171,16 @@ IN_THE_SAMPLE: Final = (
     ),
     Jump(LAST_CHANCE, "Time left", "Timeline", plot("time_left_approaches")),
     Jump(LAST_CHANCE, "Time left", "Timeline", closer("One by one", plot("time_left_margins"))),
-    Jump("ui/saliency/figures.py:_draw_way", "Saliency", "Timeline", press("saliency_show_x")),
+    Jump(
+        "ui/views/saliency/figures.py:_draw_way", "Saliency", "Timeline", press("saliency_show_x")
+    ),
     Jump(SALIENCY, "Saliency", "Timeline", row("saliency_events")),
     Jump(SALIENCY, "Saliency", "Timeline", plot("saliency_curve")),
     Jump(SALIENCY, "Saliency", "Timeline", plot("saliency_plane")),
-    Jump("ui/data/audit/entries.py:_go", "Data", "Timeline", open_case),
-    Jump("ui/timeline/listed.py:draw", "Timeline", "Data", press("listed_back")),
-    Jump("ui/timeline/panel.py:_chosen", "Timeline", "Encounters", choose_pedestrian),
-    Jump("ui/ratings/session_setup.py:_ask_alerts", "Ratings", "Alerts", ask_of_alerts),
+    Jump("ui/views/data/audit/entries.py:_go", "Data", "Timeline", open_case),
+    Jump("ui/views/timeline/listed.py:draw", "Timeline", "Data", press("listed_back")),
+    Jump("ui/views/timeline/panel.py:_chosen", "Timeline", "Encounters", choose_pedestrian),
+    Jump("ui/subjects/ratings/session_setup.py:_ask_alerts", "Ratings", "Alerts", ask_of_alerts),
     Jump("ui/shell/pages.py:draw_bar", "Data", "Time left", follow("Time left")),
     Jump("ui/shell/pages.py:_draw_group", "Data", "Stability", follow("Stability")),
     Jump(
@@ -187,22 +192,22 @@ IN_THE_SAMPLE: Final = (
     Jump("ui/shell/pages.py:draw_tabs", "Encounters", "Saliency", follow("Saliency")),
 )
 WITH_THREE: Final = (
-    Jump("ui/systems/pairs.py:_open", "Systems", "Overview", press("pair_1")),
-    Jump("ui/overview/verdict.py:_draw_doubt", "Overview", "Data", press("see_findings")),
+    Jump("ui/views/systems/pairs.py:_open", "Systems", "Overview", press("pair_1")),
+    Jump("ui/views/overview/verdict.py:_draw_doubt", "Overview", "Data", press("see_findings")),
 )
 WITH_TWO: Final = (
-    Jump("ui/systems/pairs.py:draw_only_pair", "Systems", "Data", press("add_system")),
+    Jump("ui/views/systems/pairs.py:draw_only_pair", "Systems", "Data", press("add_system")),
 )
 WITH_ONE: Final = (
     Jump("ui/shell/messages.py:_one_system_only", "Saliency", "Data", press("open_data_page")),
 )
 WALKED: Final = (*IN_THE_SAMPLE, *WITH_THREE, *WITH_TWO, *WITH_ONE)
 ELSEWHERE: Final = {
-    "ui/alerts/listed.py:draw": "walked by the test of raters, with a policy",
-    "ui/data/opening.py:_draw_opened": "other files were opened, with settings of their own",
-    "ui/detectors/run.py:_open": "as above: the session that it opens has the settings",
-    "ui/driver/run.py:draw_aside": "a link of Streamlit's, as those of the navigation",
-    "ui/ratings/sessions.py:draw_waiting": "a participant has no settings",
+    "ui/subjects/alerts/listed.py:draw": "walked by the test of raters, with a policy",
+    "ui/views/data/opening.py:_draw_opened": "other files were opened, with settings of their own",
+    "ui/subjects/detectors/run.py:_open": "as above: the session that it opens has the settings",
+    "ui/subjects/driver/run.py:draw_aside": "a link of Streamlit's, as those of the navigation",
+    "ui/subjects/ratings/sessions.py:draw_waiting": "a participant has no settings",
 }
 
 

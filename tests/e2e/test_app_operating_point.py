@@ -11,12 +11,12 @@ from app_server import ROOT
 from app_visit import Visit
 from playwright.sync_api import expect
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
 from nvcore.evidence.claims import values_of
 from nvcore.evidence.operating_points import find_equal_alarms
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
-from nvcore.settings import POINTS, OperatingPoint
+from nvcore.inputs.session.toml import read_session
+from nvcore.settings.defaults import POINTS, OperatingPoint
 
 THRESHOLD_X = 0.1
 """At which X has 25 times as many false alarms as Y."""

@@ -12,7 +12,7 @@ from app_visit import Visit
 from playwright.sync_api import BrowserContext, expect
 from viewer_reading import READER
 
-from nvcore.palette import X_COLOUR, Y_COLOUR
+from nvcore.common.palette import X_COLOUR, Y_COLOUR
 
 MOST_READINGS = 2_000
 # how many pixels of the canvas have each of these colours

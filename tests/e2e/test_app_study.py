@@ -24,7 +24,7 @@ from study_visit import (
     start,
 )
 
-from nvcore.driver.study.touch_task import DetectabilityStore
+from nvcore.subjects.driver.study.touch_task import DetectabilityStore
 
 N_PICTURES = 6  # so that every participant has three runs of two pictures
 TIMES = (0, 0.1, 0.2, 0.3, 0.4, 0.5)

@@ -9,9 +9,9 @@ from app_server import ROOT
 from app_visit import IS_STILL, SHARE, SIZE, Visit
 from playwright.sync_api import Locator, expect
 
-from nvcore.comparison import compare
+from nvcore.comparison.compare import compare
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
 from nvcore.tables.moments import next_misses
 
 LINK = "timeline?alpha=0.4&recording=rural_child&frame=57"

@@ -16,11 +16,11 @@ from playwright.sync_api import BrowserContext, Page
 from scenes import draw_scene
 
 import nvcore as nv
-from nvcore.comparison import Result, compare
+from nvcore.common.wording import minus
+from nvcore.comparison.compare import Result, compare
+from nvcore.comparison.measures.table import measure_of
 from nvcore.evidence.operating_points import at_operating_point
-from nvcore.measures.table import measure_of
-from nvcore.params import Params
-from nvcore.wording import minus
+from nvcore.settings.params import Params
 from ui.session.packed_comparison import LIVE, pack_comparison
 from ui.shell.live import FOLDER
 from ui.widgets.script import read_script
@@ -142,7 +142,7 @@ def test_of_systems_without_scores_and_of_nothing(blank: Page):
 
 
 def test_numbers_are_written_as_by_python(blank: Page):
-    script = read_script(ROOT / "ui" / "widgets" / "number_format.js")
+    script = read_script(ROOT / "ui" / "widgets" / "table" / "number_format.js")
     values = [n / 8 for n in range(-40, 4000, 7)] + [0.145, 1.555, 2.675, 1e6 / 3, -0.004, 0.285]
     cases = [
         (value, form) for value in values for form in (".0f", ".1f", ".2f", ".3f", ".0%", ".1%")

@@ -12,9 +12,9 @@ from inputs import drive, session_of
 from places import SAMPLE
 from playwright.sync_api import expect
 
-from nvcore.comparison import compare
+from nvcore.comparison.compare import compare
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
 from nvcore.report.html import write_html_report
 
 PAPER_PX = 695

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from playwright.sync_api import BrowserContext, Locator, Page, Route, expect
 
-from nvcore.driver.study.settings import Timing
-from ui.driver.study.screen import FOLDER
+from nvcore.subjects.driver.study.settings import Timing
+from ui.subjects.driver.study.screen import FOLDER
 from ui.widgets.script import read_script
 
 ADDRESS = "http://localhost:9/"  # nobody listens there: all is answered here

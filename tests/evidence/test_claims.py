@@ -12,9 +12,8 @@ import pytest
 from builders import NAN, Box, Place, at, make_dataset, result_of
 from drives import turned_by_strict_pairing
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
 from nvcore.dataset import Dataset
-from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import (
     UNSURE,
@@ -34,14 +33,15 @@ from nvcore.evidence.operating_points import (
 )
 from nvcore.evidence.pairwise import CLAIMED, pairwise_table
 from nvcore.evidence.pairwise import _claims as claims_of_pair
-from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.evidence.subgroups.table import subgroup_table
 from nvcore.evidence.table import evidence_table, judge_both
 from nvcore.evidence.units import find_units
 from nvcore.notes import Note
-from nvcore.params import Params
-from nvcore.protocols import PROTOCOLS
 from nvcore.report.gate.measures import gate_measures
 from nvcore.report.verdict import verdict
+from nvcore.settings.params import Params
+from nvcore.settings.protocols import PROTOCOLS
+from nvcore.subjects.driver.inputs.record import EstimateRecord
 
 
 def detector(

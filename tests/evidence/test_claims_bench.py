@@ -7,8 +7,8 @@ import pytest
 from places import ROOT
 
 from bench.claims import BEGIN, END, SCENARIOS, SIZES, draw_dataset, make_rows, table_text, tasks
-from nvcore.comparison import compare
-from nvcore.params import Params
+from nvcore.comparison.compare import compare
+from nvcore.settings.params import Params
 
 
 @pytest.mark.parametrize("name", SCENARIOS)

@@ -8,7 +8,8 @@ from builders import Place, at, make_dataset, result_of
 from drives import by_figure, drives
 from scipy.signal import lfilter
 
-from nvcore.comparison import compare
+from nvcore.comparison.compare import compare
+from nvcore.comparison.measures.table import measure_of
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.evidence.block_length import block_length
@@ -24,9 +25,8 @@ from nvcore.evidence.measures import (
 )
 from nvcore.evidence.paired_tests import swap_test
 from nvcore.evidence.units import STRETCH, find_units
-from nvcore.measures.table import measure_of
-from nvcore.params import Params
-from nvcore.primary import DEFAULT, Primary
+from nvcore.settings.params import Params
+from nvcore.settings.primary import DEFAULT, Primary
 
 NUMBERS = ["x", "y", "difference", "low", "high", "p", "p_corrected", "effect"]
 

@@ -10,9 +10,7 @@ from builders import Box, Place, make_dataset, result_of
 from curve_scenes import random_boxes
 from places import SAMPLE
 
-from nvcore.comparison import compare
-from nvcore.detection.curves import detection_curve, detection_outcomes
-from nvcore.detection.miss_rate import log_average_miss_rate
+from nvcore.comparison.compare import compare
 from nvcore.evidence.bootstrap import count_units
 from nvcore.evidence.miss_rate import (
     _count_up_to,
@@ -20,12 +18,14 @@ from nvcore.evidence.miss_rate import (
     _rates,
     log_average_miss_rate_measure,
 )
-from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.evidence.subgroups.table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
-from nvcore.protocols import PROTOCOLS
+from nvcore.inputs.session.toml import read_session
+from nvcore.metrics.detection.curves import detection_curve, detection_outcomes
+from nvcore.metrics.detection.miss_rate import log_average_miss_rate
+from nvcore.settings.protocols import PROTOCOLS
 
 
 def random_result(seed: int):

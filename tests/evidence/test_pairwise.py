@@ -8,10 +8,10 @@ import pytest
 from builders import NAN
 from drives import at_thresholds, by_figure, drives, turned_by_strict_pairing
 
-from nvcore.comparison import compare
+from nvcore.common.errors import InputError
+from nvcore.comparison.compare import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
-from nvcore.errors import InputError
 from nvcore.evidence.claims import find_claims
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.operating_points import find_equal_alarms
@@ -25,7 +25,7 @@ from nvcore.evidence.pairwise import (
     thresholds_in_use,
 )
 from nvcore.evidence.table import evidence_table
-from nvcore.params import Params
+from nvcore.settings.params import Params
 
 
 def three() -> Dataset:

@@ -14,9 +14,9 @@ from drives import by_figure, drives, quiet_drives
 from scipy.stats import nct, norm, t
 
 from nvcore.api.comparison import Comparison
-from nvcore.arguments.plan import PlanArguments
-from nvcore.comparison import Result, compare
-from nvcore.errors import ParameterError
+from nvcore.common.arguments.plan import PlanArguments
+from nvcore.common.errors import ParameterError
+from nvcore.comparison.compare import Result, compare
 from nvcore.evidence.bootstrap import ratio, studentised_tests
 from nvcore.evidence.claims import values_of
 from nvcore.evidence.companions import shifts_at_equal_alarms

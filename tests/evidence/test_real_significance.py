@@ -7,13 +7,13 @@ import re
 import pytest
 from places import ROOT
 
-from nvcore.comparison import compare
+from nvcore.comparison.compare import compare
 from nvcore.dataset import Dataset
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.pairwise import pairwise_table
 from nvcore.evidence.units import find_units
-from nvcore.params import Params
-from nvcore.protocols import PROTOCOLS
+from nvcore.settings.params import Params
+from nvcore.settings.protocols import PROTOCOLS
 
 pytestmark = pytest.mark.realdata
 

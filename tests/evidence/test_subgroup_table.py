@@ -9,16 +9,16 @@ from approach import PLACE, approach, only
 from builders import Box, Place, at, make_dataset, result_of, tagged
 from scenes import draw_scene
 
-from nvcore.comparison import Result, compare
-from nvcore.detection.curves import detection_curve
-from nvcore.detection.miss_rate import log_average_miss_rate
+from nvcore.comparison.compare import Result, compare
+from nvcore.comparison.measures.table import EVIDENCE_KEYS, evidence_keys, inference_of
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.operating_points import AS_SET
-from nvcore.evidence.subgroup_table import COLUMNS, subgroup_table
+from nvcore.evidence.subgroups.table import COLUMNS, subgroup_table
 from nvcore.evidence.table import evidence_table
-from nvcore.measures.table import EVIDENCE_KEYS, evidence_keys, inference_of
-from nvcore.objects import PEDESTRIAN
-from nvcore.time_left.steps import time_left_of
+from nvcore.metrics.detection.curves import detection_curve
+from nvcore.metrics.detection.miss_rate import log_average_miss_rate
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.subjects.time_left.steps import time_left_of
 
 NIGHT = 10
 """Of the 20 recordings of `drives`, so many, the last ones, are tagged night."""

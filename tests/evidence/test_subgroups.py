@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 from builders import Place, at, make_dataset, result_of, tagged
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.dataset import Dataset
-from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.subgroups import find_subgroups
+from nvcore.evidence.subgroups.table import subgroup_table
 from nvcore.metrics.encounter_classes import classes_of
 
 

@@ -6,7 +6,7 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 from scenes import draw_scene
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.evidence.units import BLOCKS, RECORDINGS, find_units, sum_units
 

@@ -7,12 +7,12 @@ import pytest
 from builders import at, make_dataset
 
 from nvcore.api.figures import Figures
-from nvcore.comparison import Result, compare
+from nvcore.common.palette import STYLES, Scheme, scheme_for
+from nvcore.comparison.compare import Result, compare
+from nvcore.figures.overlay import annotate
+from nvcore.figures.overlay.brush import X_RGB, Y_RGB
 from nvcore.figures.style import LOOK, which_is_which
 from nvcore.figures.venn import AREAS
-from nvcore.overlay import annotate
-from nvcore.overlay.brush import X_RGB, Y_RGB
-from nvcore.palette import STYLES, Scheme, scheme_for
 
 NAMES = ["fir", "nir", "radar", "lidar", "old", "older"]
 

@@ -10,11 +10,11 @@ import pytest
 from curve_scenes import curve_of
 from figure_parts import trace, words
 
-from nvcore.detection.curve_summary import summarise_curve
-from nvcore.detection.curves import DetectionCurve
 from nvcore.figures.curves import MAX_POINTS, CurveKind, curve_plot, legend_text
-from nvcore.objects import PEDESTRIAN
-from nvcore.published import PublishedPoint
+from nvcore.metrics.detection.curve_summary import summarise_curve
+from nvcore.metrics.detection.curves import DetectionCurve
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.settings.published import PublishedPoint
 
 X = curve_of([1, 2, 3], [0, 10, 100], n_truth=4)
 Y = replace(curve_of([1, 4], [1, 1], n_truth=4), system="y")

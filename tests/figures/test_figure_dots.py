@@ -11,12 +11,12 @@ from builders import at, make_dataset, result_of
 from drives import quiet_drives
 from figure_parts import trace, words
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.evidence.planning import plan_recordings
 from nvcore.evidence.planning.plan import PlanSize
 from nvcore.evidence.planning.power import PowerPoint
-from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.subgroups import ALL
+from nvcore.evidence.subgroups.table import subgroup_table
 from nvcore.figures import dots
 from nvcore.figures.dots import forest_in_words, power_plot, recordings_plot, subgroup_forest
 from nvcore.figures.style import LOOK

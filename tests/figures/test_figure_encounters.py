@@ -8,7 +8,7 @@ import pytest
 from builders import at, make_dataset
 from figure_parts import trace, words
 
-from nvcore.comparison import compare
+from nvcore.comparison.compare import compare
 from nvcore.figures import encounters as module
 from nvcore.figures.encounters import (
     fusion_plot,
@@ -19,7 +19,7 @@ from nvcore.figures.encounters import (
     weightings_plot,
 )
 from nvcore.figures.style import LOOK, faded
-from nvcore.objects import PEDESTRIAN
+from nvcore.settings.objects import PEDESTRIAN
 from nvcore.tables.encounters.weightings import compare_weightings
 
 LOOKS = {"theme": "light", "objects": PEDESTRIAN}

@@ -10,7 +10,7 @@ from figure_parts import shape, trace, words
 
 from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
 from nvcore.figures.style import HEADING_PX
-from nvcore.params import Params
+from nvcore.settings.params import Params
 
 HISTOGRAM = pd.DataFrame({"low": [0.0, 0.25, 0.5, 0.75], "high": [0.25, 0.5, 0.75, 1.0],
                           "n": [5, 4, 3, 2]})  # fmt: skip

@@ -7,7 +7,7 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 from figure_parts import shape, trace, words
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.figures import lanes
 from nvcore.figures.lanes import MAX_STRIP_CLICKS, lane_order, lanes_figure, loss_strip_plot
 from nvcore.figures.over_time import similarity_plot

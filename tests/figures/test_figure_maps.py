@@ -11,13 +11,13 @@ from builders import Place, at, make_dataset, result_of
 from figure_parts import shape, trace, words
 from scenes import draw_scene
 
-from nvcore.comparison import compare
+from nvcore.common.palette import X_COLOUR, Y_COLOUR
+from nvcore.comparison.compare import compare
+from nvcore.evidence.stability.map import StabilityMap, map_stability
 from nvcore.figures.maps import cost_plot, stability_map
 from nvcore.metrics.cost_map import map_cost
-from nvcore.objects import PEDESTRIAN
-from nvcore.palette import X_COLOUR, Y_COLOUR
-from nvcore.params import Params
-from nvcore.stability.map import StabilityMap, map_stability
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.settings.params import Params
 
 
 @pytest.fixture(scope="module")

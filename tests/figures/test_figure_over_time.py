@@ -7,7 +7,7 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 from figure_parts import shape, trace, words
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.figures import over_time
 from nvcore.figures.over_time import keep_peaks, loss_plot, similarity_plot
 

@@ -7,7 +7,7 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 from figure_parts import trace, words
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.figures.saliency import MANY_RECORDINGS, parts_plot, plane_plot, recency_plot
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from nvcore.common.wording import count_text
 from nvcore.figures.over_time import decimate, evenly
 from nvcore.figures.style import EDGE_PX, HEADING_PX, LOOK, plain
-from nvcore.wording import count_text
 
 
 @pytest.mark.parametrize(

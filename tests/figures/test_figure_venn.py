@@ -12,11 +12,11 @@ from builders import at, make_dataset, result_of
 from drives import at_thresholds
 from figure_parts import shape, trace, words
 
+from nvcore.dataset.schema import CATEGORY_WORDS
 from nvcore.figures.style import LOOK
 from nvcore.figures.venn import MIN_SIZE, MOST_MARKS, REGIONS, circles_of, overlap_area, venn_figure
 from nvcore.metrics.venn import Venn
-from nvcore.objects import PEDESTRIAN
-from nvcore.schema import CATEGORY_WORDS
+from nvcore.settings.objects import PEDESTRIAN
 from nvcore.tables import weighed_encounters
 
 NAMES = ("FIR", "NIR")

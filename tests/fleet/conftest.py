@@ -10,9 +10,9 @@ import pytest
 from fleet_runs import append_to, begin_scan, failures_of, files_of, small_fleet
 from object_store import make_bucket, options, served
 
-from nvcore.fleet.folder import finish
-from nvcore.fleet.location import Location
-from nvcore.fleet.scan import drive, in_process
+from nvcore.subjects.fleet.folder import finish
+from nvcore.subjects.fleet.location import Location
+from nvcore.subjects.fleet.scan import drive, in_process
 
 NUMBERS = count()
 

@@ -16,19 +16,19 @@ from fleet_tables import Tables, assert_same, joined, only
 from places import SAMPLE
 from scenes import draw_scene
 
-from nvcore.comparison import compare
+from nvcore.common.errors import InputError, ParameterError
+from nvcore.comparison.compare import compare
+from nvcore.comparison.measures.table import MEASURES, hides_rate
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, ParameterError
-from nvcore.fleet import batch
-from nvcore.fleet.batch import ScanParams, dataset_of, scan_batch
-from nvcore.fleet.ingest import tables_of
-from nvcore.fleet.results import Summary, typed
+from nvcore.dataset.schema import ATTRIBUTE_DTYPES, conform
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
-from nvcore.inputs.session_toml import read_session
-from nvcore.measures.table import MEASURES, hides_rate
-from nvcore.params import Params
-from nvcore.schema import ATTRIBUTE_DTYPES, conform
+from nvcore.inputs.session.toml import read_session
+from nvcore.settings.params import Params
+from nvcore.subjects.fleet import batch
+from nvcore.subjects.fleet.batch import ScanParams, dataset_of, scan_batch
+from nvcore.subjects.fleet.ingest import tables_of
+from nvcore.subjects.fleet.results import Summary, typed
 from nvcore.tables.result import (
     encounters_table,
     episodes_table,

@@ -36,20 +36,20 @@ from fleet_runs import (
 )
 from object_store import make_bucket, options, served, troubled
 
-from nvcore.errors import InputError, StoreError
-from nvcore.fleet.folder import begin, finish, forget_quarantined, status
-from nvcore.fleet.leases import Lease, seal, unseal
-from nvcore.fleet.location import Location
-from nvcore.fleet.on_dask import on_dask
-from nvcore.fleet.plan import Plan
-from nvcore.fleet.scan import Job, Options, drive, in_pool, in_process
-from nvcore.fleet.store import Store
+from nvcore.common.errors import InputError, StoreError
+from nvcore.subjects.fleet.folder import begin, finish, forget_quarantined, status
+from nvcore.subjects.fleet.leases import Lease, seal, unseal
+from nvcore.subjects.fleet.location import Location
+from nvcore.subjects.fleet.on_dask import on_dask
+from nvcore.subjects.fleet.plan import Plan
+from nvcore.subjects.fleet.scan import Job, Options, drive, in_pool, in_process
+from nvcore.subjects.fleet.store import Store
 
 ELSEWHERE = """
 import socket, sys
 from pathlib import Path
 from fleet_runs import begin_scan, stopped_at
-from nvcore.fleet.scan import drive, in_process
+from nvcore.subjects.fleet.scan import drive, in_process
 store, out, marks = map(Path, sys.argv[1:])
 socket.gethostname = lambda: "another machine"
 list(drive(begin_scan(store, out, run=stopped_at("r4", marks))[1], in_process))
@@ -58,9 +58,9 @@ POOL = """
 import sys
 from pathlib import Path
 from fleet_runs import begin_scan, stopped_at
-from nvcore.fleet.location import Location
-from nvcore.fleet.folder import finish
-from nvcore.fleet.scan import in_pool
+from nvcore.subjects.fleet.location import Location
+from nvcore.subjects.fleet.folder import finish
+from nvcore.subjects.fleet.scan import in_pool
 if __name__ == "__main__":
     store, out, marks = map(Path, sys.argv[1:])
     plan, job = begin_scan(store, out, run=stopped_at("r4", marks))
@@ -163,7 +163,7 @@ def test_what_a_worker_prints_does_not_disturb_its_messages(store, out, capfd):
 
 
 def test_a_worker_whose_parent_has_died_says_nothing(store, undisturbed, out):
-    command = [sys.executable, "-c", "from nvcore.fleet.scan import work; work()"]
+    command = [sys.executable, "-c", "from nvcore.subjects.fleet.scan import work; work()"]
     plan, job = begin_scan(store, out)
     for content in (b"", pickle.dumps((job, 0, 1))):  # it died before it sent the job, and after
         read, write = os.pipe()
@@ -199,7 +199,7 @@ def test_a_lease_is_written_in_the_order_of_what_is_said(tmp_path, monkeypatch):
             self.written = content
             self.busy.release()
 
-    monkeypatch.setattr("nvcore.fleet.leases.LEASE_S", 1e-4)
+    monkeypatch.setattr("nvcore.subjects.fleet.leases.LEASE_S", 1e-4)
     place = Watched(tmp_path)
     with Lease(place, "a", clock=time.time) as lease:
         for number in range(100):

@@ -20,13 +20,13 @@ from places import ROOT
 
 import nvcore as nv
 from nvcore.cli import main
-from nvcore.errors import InputError, StoreError
-from nvcore.fleet.calls import Scan
-from nvcore.fleet.folder import begin
-from nvcore.fleet.location import Location
-from nvcore.fleet.query import worst
-from nvcore.fleet.scan import in_process
-from nvcore.fleet.store import Store
+from nvcore.common.errors import InputError, StoreError
+from nvcore.subjects.fleet.calls import Scan
+from nvcore.subjects.fleet.folder import begin
+from nvcore.subjects.fleet.location import Location
+from nvcore.subjects.fleet.query import worst
+from nvcore.subjects.fleet.scan import in_process
+from nvcore.subjects.fleet.store import Store
 
 POSITIONS = 2
 
@@ -114,12 +114,12 @@ def test_recordings_that_are_left_out_have_the_exit_code_1(tmp_path):
 
 MISSING = """
 import sys
-from nvcore.fleet.folder import begin
-from nvcore.fleet.location import Location
-from nvcore.fleet.results import ScanParams
-from nvcore.fleet.scan import Job
-from nvcore.fleet.store import Store
-from nvcore.errors import InputError
+from nvcore.subjects.fleet.folder import begin
+from nvcore.subjects.fleet.location import Location
+from nvcore.subjects.fleet.results import ScanParams
+from nvcore.subjects.fleet.scan import Job
+from nvcore.subjects.fleet.store import Store
+from nvcore.common.errors import InputError
 store, out, *recompute = sys.argv[1:]
 scan = ScanParams("x", "y", frames=True)
 try:
@@ -163,16 +163,16 @@ def test_batches_of_another_program_are_refused_or_computed_anew(store, tmp_path
 def test_all_modules_that_a_batch_imports_are_part_of_its_key(store):
     script = (
         "import sys\n"
-        "from nvcore.fleet.batch import scan_batch\n"
-        "from nvcore.fleet.results import ScanParams\n"
-        "from nvcore.fleet.store import Store\n"
-        "from nvcore.params import Params\n"
+        "from nvcore.subjects.fleet.batch import scan_batch\n"
+        "from nvcore.subjects.fleet.results import ScanParams\n"
+        "from nvcore.subjects.fleet.store import Store\n"
+        "from nvcore.settings.params import Params\n"
         "store = Store(sys.argv[1]).snapshot()\n"
         "for given in ({}, dict(alerts='policy', driver_weighting='on', proximity='horizon')):\n"
         "    scan = ScanParams('x', 'y', params=Params(**given), frames=True)\n"
         "    scan_batch(store.read(['r0', 'r1'], scan.sources), scan)\n"
         "imported = {name for name in sys.modules if name.startswith('nvcore')}\n"
-        "from nvcore.fleet.plan import modules_of_batches\n"
+        "from nvcore.subjects.fleet.plan import modules_of_batches\n"
         "print(sorted(imported - {*modules_of_batches()}))\n"
     )
     done = subprocess.run(

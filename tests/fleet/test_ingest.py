@@ -12,11 +12,8 @@ from inputs import drive, flags, nvcore, write
 from store_writers import recordings
 
 import nvcore as nv
+from nvcore.common.errors import InputError, ParameterError, SessionError
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, ParameterError, SessionError
-from nvcore.fleet import ingest as ingest_module
-from nvcore.fleet.ingest import CARRIED, tables_of
-from nvcore.fleet.store import Store, other_settings
 from nvcore.inputs.session import (
     TABLES_OF_SUBJECTS,
     RecordingEntry,
@@ -24,6 +21,9 @@ from nvcore.inputs.session import (
     Source,
     SystemSource,
 )
+from nvcore.subjects.fleet import ingest as ingest_module
+from nvcore.subjects.fleet.ingest import CARRIED, tables_of
+from nvcore.subjects.fleet.store import Store, other_settings
 
 
 def session(folder: Path, *lines: str) -> Path:

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from object_store import options, troubled
 
-from nvcore.errors import InputError, StoreError
-from nvcore.fleet.location import Location
+from nvcore.common.errors import InputError, StoreError
+from nvcore.subjects.fleet.location import Location
 
 
 def test_files_are_written_read_listed_and_deleted(place: Location):

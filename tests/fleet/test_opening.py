@@ -14,17 +14,17 @@ from fleet_tables import Tables, only
 from published import load_kaist
 from scenes import draw_scene
 
-from nvcore.comparison import compare
+from nvcore.common.errors import InputError
+from nvcore.comparison.compare import compare
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError
-from nvcore.fleet.batch import dataset_of, scan_batch
-from nvcore.fleet.ingest import tables_of
-from nvcore.fleet.opening import FILES, write_recording
-from nvcore.fleet.results import ScanParams, typed
+from nvcore.dataset.schema import ATTRIBUTE_DTYPES, conform
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
-from nvcore.params import Params
-from nvcore.schema import ATTRIBUTE_DTYPES, conform
+from nvcore.inputs.session.toml import read_session
+from nvcore.settings.params import Params
+from nvcore.subjects.fleet.batch import dataset_of, scan_batch
+from nvcore.subjects.fleet.ingest import tables_of
+from nvcore.subjects.fleet.opening import FILES, write_recording
+from nvcore.subjects.fleet.results import ScanParams, typed
 from nvcore.tables import result as made_by
 
 TABLES = ("recordings", "encounters", "events", "intervals", "frames")

@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nvcore.errors import InputError
-from nvcore.fleet.folder import SUMMARY, write_batch
-from nvcore.fleet.leases import seal
-from nvcore.fleet.location import Location
-from nvcore.fleet.plan import Batch, Plan
-from nvcore.fleet.query import LONGEST_FILTER, worst
-from nvcore.fleet.results import ScanParams
+from nvcore.common.errors import InputError
+from nvcore.subjects.fleet.folder import SUMMARY, write_batch
+from nvcore.subjects.fleet.leases import seal
+from nvcore.subjects.fleet.location import Location
+from nvcore.subjects.fleet.plan import Batch, Plan
+from nvcore.subjects.fleet.query import LONGEST_FILTER, worst
+from nvcore.subjects.fleet.results import ScanParams
 
 ENCOUNTERS = pa.table(
     {

@@ -27,14 +27,14 @@ from fleet_runs import (
 )
 
 from nvcore.cli import main
-from nvcore.comparison import compare
-from nvcore.errors import InputError
-from nvcore.fleet.folder import finish, status
-from nvcore.fleet.location import Location
-from nvcore.fleet.plan import plan
-from nvcore.fleet.scan import drive, in_pool, in_process
-from nvcore.fleet.store import Store
-from nvcore.params import Params
+from nvcore.common.errors import InputError
+from nvcore.comparison.compare import compare
+from nvcore.settings.params import Params
+from nvcore.subjects.fleet.folder import finish, status
+from nvcore.subjects.fleet.location import Location
+from nvcore.subjects.fleet.plan import plan
+from nvcore.subjects.fleet.scan import drive, in_pool, in_process
+from nvcore.subjects.fleet.store import Store
 
 
 @pytest.mark.parametrize("n_workers", [1, 2])

@@ -29,13 +29,13 @@ from store_writers import (
     recordings,
 )
 
+from nvcore.common.errors import FormatError, InputError, StoreError
 from nvcore.dataset import Dataset
-from nvcore.errors import FormatError, InputError, StoreError
-from nvcore.fleet import store as store_module
-from nvcore.fleet.ingest import tables_of
-from nvcore.fleet.location import Location
-from nvcore.fleet.store import Snapshot, Store
-from nvcore.fleet.tables import SCHEMAS
+from nvcore.subjects.fleet import store as store_module
+from nvcore.subjects.fleet.ingest import tables_of
+from nvcore.subjects.fleet.location import Location
+from nvcore.subjects.fleet.store import Snapshot, Store
+from nvcore.subjects.fleet.tables import SCHEMAS
 
 SPAWN = multiprocessing.get_context("spawn")
 WRITES = 8  # files of four tables, and their commits

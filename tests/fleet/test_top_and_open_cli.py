@@ -14,12 +14,12 @@ from inputs import nvcore
 from places import SAMPLE
 
 import nvcore as nv
-from nvcore.errors import InputError
-from nvcore.fleet.folder import begin
-from nvcore.fleet.location import Location
-from nvcore.fleet.results import ScanParams, schema, typed
-from nvcore.fleet.store import Store
-from nvcore.inputs.session_toml import read_session
+from nvcore.common.errors import InputError
+from nvcore.inputs.session.toml import read_session
+from nvcore.subjects.fleet.folder import begin
+from nvcore.subjects.fleet.location import Location
+from nvcore.subjects.fleet.results import ScanParams, schema, typed
+from nvcore.subjects.fleet.store import Store
 from nvcore.tables.result import encounters_table
 
 
@@ -86,7 +86,7 @@ def test_open_starts_the_dashboard_on_that_recording_at_that_frame(
         served.append((nv.load(session), port))
         assert more == {"address": "localhost", "no_browser": True}
 
-    monkeypatch.setattr(import_module("nvcore.fleet.commands"), "serve", serve)
+    monkeypatch.setattr(import_module("nvcore.subjects.fleet.commands"), "serve", serve)
     systems = ("--x", "NIR", "--y", "FIR")
     shown = nvcore("open", fleet, "rural_road", "--at", 228, "--no-browser", *systems)
     [(dataset, port)] = served

@@ -15,8 +15,7 @@ from scipy import stats
 
 from bench.group_tests import CASES
 from nvcore.evidence.bootstrap import ratio
-from nvcore.evidence.paired_tests import swap_test
-from nvcore.group_statistics.analyses import (
+from nvcore.evidence.groups.analyses import (
     Groups,
     anova,
     friedman,
@@ -31,7 +30,8 @@ from nvcore.group_statistics.analyses import (
     welch,
     welch_f,
 )
-from nvcore.group_statistics.permutation import N_RANDOM, permute_between, permute_within
+from nvcore.evidence.groups.permutation import N_RANDOM, permute_between, permute_within
+from nvcore.evidence.paired_tests import swap_test
 
 RNG = np.random.default_rng(7)
 SAMPLES = [RNG.normal(mean, sd, n) for mean, sd, n in ((5, 1, 9), (6, 2, 7), (8, 4, 12), (5, 1, 4))]

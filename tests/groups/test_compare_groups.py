@@ -13,9 +13,9 @@ import pytest
 from inputs import nvcore, write
 
 import nvcore as nv
-from nvcore.arguments.groups import GroupArguments
-from nvcore.errors import ParameterError
-from nvcore.group_statistics.text import FILES
+from nvcore.common.arguments.groups import GroupArguments
+from nvcore.common.errors import ParameterError
+from nvcore.evidence.groups.text import FILES
 
 RNG = np.random.default_rng(3)
 

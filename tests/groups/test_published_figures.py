@@ -15,9 +15,9 @@ import pytest
 from scipy import stats
 
 import nvcore as nv
-from nvcore.group_statistics import GroupComparison
-from nvcore.group_statistics.analyses import Groups, anova
-from nvcore.group_statistics.permutation import permute_between
+from nvcore.evidence.groups import GroupComparison
+from nvcore.evidence.groups.analyses import Groups, anova
+from nvcore.evidence.groups.permutation import permute_between
 
 REACTIONS = pd.DataFrame(
     {

@@ -9,10 +9,10 @@ import pandas as pd
 import pytest
 from inputs import write
 
-from nvcore.arguments.groups import GroupArguments
-from nvcore.errors import InputError, NvcoreError, ParameterError
-from nvcore.group_statistics import compare_groups
-from nvcore.group_statistics.reading import MOST_ROWS, GroupTable, read_groups
+from nvcore.common.arguments.groups import GroupArguments
+from nvcore.common.errors import InputError, NvcoreError, ParameterError
+from nvcore.evidence.groups import compare_groups
+from nvcore.evidence.groups.reading import MOST_ROWS, GroupTable, read_groups
 
 
 def read(path: Path, *lines: str, **asked: object) -> GroupTable:

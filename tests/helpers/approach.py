@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from builders import Box, Place, make_dataset, result_of
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 
 HEIGHT_PX_S = 50.0
 """Height of a box times the time to contact: 50 px are one second away."""

@@ -10,9 +10,9 @@ import pandas as pd
 from builders import Box, make_dataset
 
 from nvcore.auditing import audit
+from nvcore.common.findings import Finding
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding
-from nvcore.params import Params
+from nvcore.settings.params import Params
 
 N = 40
 """Frames of the clean comparison."""

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
 from nvcore.dataset import Dataset
+from nvcore.dataset.schema import NO_LABEL, NO_TRACK, UNKNOWN_OCCLUSION
 from nvcore.dataset.tables import dataset_from_tables
-from nvcore.params import Params
-from nvcore.schema import NO_LABEL, NO_TRACK, UNKNOWN_OCCLUSION
+from nvcore.settings.params import Params
 
 NAN = float("nan")
 

@@ -6,8 +6,8 @@ import numpy as np
 from builders import Box, Place, make_dataset
 
 from nvcore.dataset import Dataset
-from nvcore.detection.curves import DetectionCurve
-from nvcore.protocols import PROTOCOLS
+from nvcore.metrics.detection.curves import DetectionCurve
+from nvcore.settings.protocols import PROTOCOLS
 
 
 def curve_of(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from nvcore.driver.estimators import Estimator, Origin, Quality, Regression
-from nvcore.driver.estimators.model import SvrSettings
+from nvcore.subjects.driver.estimators import Estimator, Origin, Quality, Regression
+from nvcore.subjects.driver.estimators.model import SvrSettings
 
 CONTRAST, LAB = 3, 4
 """Columns of the features."""

@@ -8,8 +8,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pandas as pd
 
-from nvcore.driver.trials import TRIAL_COLUMNS, TrainingTable, training_table
-from nvcore.driver.trials.table import read_trials
+from nvcore.subjects.driver.trials import TRIAL_COLUMNS, TrainingTable, training_table
+from nvcore.subjects.driver.trials.table import read_trials
 
 PERIODS_S = (0.5, 1.5, 3.0, 4.5, 6.0, 7.5)
 SUBJECTS = tuple(f"S{number}" for number in range(20))

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from builders import NAN, Place, at, make_dataset, result_of
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.dataset import Dataset
 from nvcore.evidence.measures import significance_table
 

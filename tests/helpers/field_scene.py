@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 
 N_FRAMES: Final = 40
 SIZE: Final = (640, 480)

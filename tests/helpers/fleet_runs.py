@@ -31,15 +31,15 @@ from numba.core.dispatcher import Dispatcher
 from places import ROOT
 
 from nvcore.dataset import Dataset
-from nvcore.fleet.batch import scan_batch
-from nvcore.fleet.folder import begin
-from nvcore.fleet.ingest import tables_of
-from nvcore.fleet.leases import unseal
-from nvcore.fleet.location import Location
-from nvcore.fleet.plan import Plan
-from nvcore.fleet.results import ScanParams
-from nvcore.fleet.scan import Job, Options
-from nvcore.fleet.store import Store
+from nvcore.subjects.fleet.batch import scan_batch
+from nvcore.subjects.fleet.folder import begin
+from nvcore.subjects.fleet.ingest import tables_of
+from nvcore.subjects.fleet.leases import unseal
+from nvcore.subjects.fleet.location import Location
+from nvcore.subjects.fleet.plan import Plan
+from nvcore.subjects.fleet.results import ScanParams
+from nvcore.subjects.fleet.scan import Job, Options
+from nvcore.subjects.fleet.store import Store
 
 PARAMS = ScanParams("x", "y", frames=True)
 PATIENCE_S = 100.0

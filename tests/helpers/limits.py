@@ -7,8 +7,8 @@ from typing import Any
 
 from builders import Box, make_dataset, result_of
 
-from nvcore.comparison import Result
-from nvcore.schema import NO_LABEL
+from nvcore.comparison.compare import Result
+from nvcore.dataset.schema import NO_LABEL
 
 LABELS = ("30", "50")
 _LABEL = {"30": 0, "50": 1, "": NO_LABEL}

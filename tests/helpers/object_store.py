@@ -27,7 +27,7 @@ run_simple("127.0.0.1", 0, DomainDispatcherApplication(create_backend_app), thre
 
 
 def options(url: str) -> dict[str, str]:
-    """Of `nvcore.fleet.location.Location`, for a server at this address."""
+    """Of `nvcore.subjects.fleet.location.Location`, for a server at this address."""
     return {
         "aws_endpoint_url": url,
         "aws_access_key_id": "test",

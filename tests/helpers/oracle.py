@@ -16,7 +16,7 @@ import numpy as np
 from builders import Box, Place
 from scipy.optimize import linear_sum_assignment
 
-from nvcore.params import Params
+from nvcore.settings.params import Params
 
 
 def centre(box: Box, W: float) -> float:

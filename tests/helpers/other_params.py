@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from nvcore.params import SETTINGS
-from nvcore.stages import Setting
+from nvcore.settings.params import SETTINGS
+from nvcore.settings.stages import Setting
 
 OF_UNIT: Final = {"s": 1.5, "px": 90.0, "m": 30.0, "": 0.5}
 """For numbers without a default."""

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 from places import DATA
 
-from nvcore.findings import Finding
+from nvcore.common.findings import Finding
 from nvcore.inputs.readers.base import Reading, SourceFile
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from builders import NAN, Box, Place, at, make_dataset, result_of
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.dataset import Dataset
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from driver_estimators import CONTRAST, origin, regression
 from picture_files import write_picture
 
-from nvcore.driver.estimators import Estimator, Quality, write_estimator
+from nvcore.subjects.driver.estimators import Estimator, Quality, write_estimator
 
 N_FRAMES = 60
 FPS = 10

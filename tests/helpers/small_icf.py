@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from nvcore.dataset.provenance import TrainedOn
-from nvcore.detectors.icf import IcfModel, IcfSettings, Scene, train, write_model
+from nvcore.subjects.detectors.icf import IcfModel, IcfSettings, Scene, train, write_model
 
 SETTINGS = IcfSettings(
     channels=("grey", "magnitude", "orientations"),

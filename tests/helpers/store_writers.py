@@ -13,9 +13,9 @@ import pyarrow as pa
 from builders import Box, Place, make_dataset
 
 from nvcore.dataset import Dataset
-from nvcore.fleet.ingest import tables_of
-from nvcore.fleet.location import Location
-from nvcore.fleet.store import Store
+from nvcore.subjects.fleet.ingest import tables_of
+from nvcore.subjects.fleet.location import Location
+from nvcore.subjects.fleet.store import Store
 
 N_FRAMES = 30
 

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from inputs import drive, flags, nvcore, session_of, write
 
-from nvcore.errors import InputError, MissingFactError, SessionError
+from nvcore.common.errors import InputError, MissingFactError, SessionError
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session
-from nvcore.inputs.session_toml import read_session, write_session
-from nvcore.protocols import PROTOCOLS
+from nvcore.inputs.session.toml import read_session, write_session
+from nvcore.settings.protocols import PROTOCOLS
 
 URBAN, RURAL = RecordingEntry("urban", tags=("day",)), RecordingEntry("rural", tags=("night",))
 

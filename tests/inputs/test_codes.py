@@ -12,17 +12,17 @@ from builders import Place, at, make_dataset, result_of
 from figure_parts import words
 from inputs import drive, flags, nvcore, session_of, write
 
-from nvcore.codes import CodedInterval
-from nvcore.comparison import Result, compare
-from nvcore.errors import InputError, SessionError
+from nvcore.common.errors import InputError, SessionError
+from nvcore.common.output.csv_text import to_csv_bytes
+from nvcore.comparison.compare import Result, compare
 from nvcore.evidence.subgroups import find_subgroups
 from nvcore.figures.lanes import lanes_figure
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session
-from nvcore.inputs.session_toml import read_session, write_session
-from nvcore.output.csv_text import to_csv_bytes
+from nvcore.inputs.session.toml import read_session, write_session
 from nvcore.report.files import export_files
 from nvcore.report.terminal import render_scorecard
+from nvcore.settings.codes import CodedInterval
 from nvcore.tables.encounters.miss_classes import class_counts
 from nvcore.tables.result import codes_table, encounters_table
 

@@ -9,7 +9,8 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
+from nvcore.dataset.schema import NO_LABEL
 from nvcore.inputs.readers import csv, mot, parquet
 from nvcore.inputs.readers.base import (
     Reading,
@@ -21,8 +22,7 @@ from nvcore.inputs.readers.base import (
 from nvcore.inputs.readers.coco.results import read as read_coco_results
 from nvcore.inputs.readers.coco.truth import read as read_coco
 from nvcore.inputs.writers import write
-from nvcore.objects import SPEED_SIGN
-from nvcore.schema import NO_LABEL
+from nvcore.settings.objects import SPEED_SIGN
 
 PLACE = ["recording", "frame", "x", "y", "w", "h"]
 

@@ -12,7 +12,7 @@ from places import ROOT
 from nvcore.inputs import writers
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.session import RecordingEntry, SystemSource
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
 
 PAGE = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
 

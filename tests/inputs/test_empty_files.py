@@ -12,8 +12,8 @@ import pandas as pd
 import pytest
 from inputs import drive, mot_layout, nvcore, session_of, write
 
+from nvcore.common.errors import InputError
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError
 from nvcore.inputs.load import load, read_source
 from nvcore.inputs.readers import format_named
 from nvcore.inputs.readers.base import ReadOptions, Role, SourceFile

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from inputs import write
 
-from nvcore.errors import FormatError, InputError, MissingFactError
-from nvcore.findings import Remedy, Step
+from nvcore.common.errors import FormatError, InputError, MissingFactError
+from nvcore.common.findings import Remedy, Step
 from nvcore.inputs import evaluated_frames
 from nvcore.inputs.evaluated_frames import (
     MIN_SAMPLED,

@@ -9,7 +9,7 @@ import pytest
 from field_scene import FPS, N_FRAMES, RIGHT, SIZE, coco_truth, detections, found, truth, write_yolo
 
 import nvcore as nv
-from nvcore.findings import Remedy, Step
+from nvcore.common.findings import Remedy, Step
 from nvcore.inputs.load import load, read_source
 from nvcore.inputs.session import Session, Source, SystemSource
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from inputs import mot_layout, write
 
-from nvcore.errors import InputError
-from nvcore.findings import Remedy, Step
-from nvcore.inputs.files import digest, find_files, system_names
+from nvcore.common.errors import InputError
+from nvcore.common.findings import Remedy, Step
+from nvcore.inputs.files.find import digest, find_files, system_names
 from nvcore.inputs.session import Source
 
 DETECTION = "frame,x,y,w,h,score\n1,1,1,5,10,0.5"

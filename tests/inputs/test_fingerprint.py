@@ -12,7 +12,7 @@ from inputs import drive, session_of, write
 from nvcore.dataset.tables import dataset_from_tables, tables_fingerprint
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
-from nvcore.params import Params
+from nvcore.settings.params import Params
 
 
 def fingerprint(session: Session) -> str:

@@ -24,13 +24,13 @@ from inputs import nvcore
 
 import nvcore as nv
 from nvcore.auditing.recordings import audit_frame_steps
-from nvcore.errors import InputError
-from nvcore.findings import Remedy, Severity, Step
+from nvcore.common.errors import InputError
+from nvcore.common.findings import Remedy, Severity, Step
 from nvcore.inputs.load import load
 from nvcore.inputs.readers.base import ReadOptions
 from nvcore.inputs.readers.meaning.frame_names import named_pictures
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.inputs.session_toml import read_session, write_session
+from nvcore.inputs.session.toml import read_session, write_session
 
 HASH = "0123456789abcdef0123456789abcdef"
 

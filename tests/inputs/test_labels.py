@@ -11,10 +11,10 @@ import pytest
 
 import nvcore as nv
 from nvcore.dataset import Dataset
+from nvcore.dataset.schema import NO_LABEL
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.inputs.readers.meaning.classes import codes_of, labels_of, merged
-from nvcore.objects import PEDESTRIAN, SPEED_SIGN, labels_in_order
-from nvcore.schema import NO_LABEL
+from nvcore.settings.objects import PEDESTRIAN, SPEED_SIGN, labels_in_order
 
 TRUTH = "recording,frame,x,y,w,h,class\n"
 

@@ -23,14 +23,14 @@ from places import DATA
 from reader_files import rows
 
 import nvcore as nv
+from nvcore.common.errors import InputError, MissingFactError, SessionError
+from nvcore.common.findings import Remedy, Step
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, MissingFactError, SessionError
-from nvcore.findings import Remedy, Step
 from nvcore.inputs.load import load, read_source
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.encounters import encounters_of
-from nvcore.params import Params
+from nvcore.settings.params import Params
 from nvcore.tables.result import encounters_table
 
 

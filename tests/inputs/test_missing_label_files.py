@@ -9,7 +9,7 @@ import pytest
 from field_scene import FPS, RIGHT, SIZE, found, write_yolo
 
 import nvcore as nv
-from nvcore.findings import Finding, Remedy, Severity
+from nvcore.common.findings import Finding, Remedy, Severity
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 

@@ -14,9 +14,9 @@ from packing import PACK, zstd
 from places import DATA
 from reader_files import source
 
-from nvcore.errors import FormatError, InputError
-from nvcore.inputs import packed
-from nvcore.inputs.files import find_files, system_names
+from nvcore.common.errors import FormatError, InputError
+from nvcore.inputs.files import packed
+from nvcore.inputs.files.find import find_files, system_names
 from nvcore.inputs.load import load
 from nvcore.inputs.readers import detect_format
 from nvcore.inputs.readers.base import ReadOptions, Role, SourceFile

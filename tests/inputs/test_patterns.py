@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from nvcore.errors import InputError
-from nvcore.inputs import patterns
-from nvcore.inputs.files import find_files
-from nvcore.inputs.patterns import matching
+from nvcore.common.errors import InputError
+from nvcore.inputs.files import patterns
+from nvcore.inputs.files.find import find_files
+from nvcore.inputs.files.patterns import matching
 from nvcore.inputs.session import Source
 
 

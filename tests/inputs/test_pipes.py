@@ -17,11 +17,11 @@ from inputs import drive, flags, nvcore
 from places import ROOT
 
 import nvcore as nv
-from nvcore.errors import InputError
-from nvcore.inputs import pipes
-from nvcore.inputs.files import find_files
+from nvcore.common.errors import InputError
+from nvcore.inputs.files import pipes
+from nvcore.inputs.files.find import find_files
 from nvcore.inputs.session import Source
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a POSIX system")
 

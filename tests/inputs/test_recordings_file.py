@@ -10,12 +10,12 @@ import pytest
 from inputs import drive, flags, nvcore, session_of, write
 
 from nvcore.api.inputs import load as load_inputs
+from nvcore.common.errors import InputError
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError
 from nvcore.inputs.load import load
-from nvcore.inputs.recordings_file import read_recordings_file, with_recordings_file
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.recordings_file import read_recordings_file, with_recordings_file
+from nvcore.inputs.session.toml import read_session
 from nvcore.report.protect_inputs import files_read
 
 HEADER = "recording,width,height,fps,context,tags,pictures,speed_kmh,horizon"

@@ -6,8 +6,8 @@ import pandas as pd
 import pytest
 
 import nvcore as nv
+from nvcore.common.findings import Finding, Severity
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, Severity
 from nvcore.metrics.encounters import encounters_of
 
 

@@ -13,14 +13,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from inputs import write
 
-from nvcore.errors import SessionError
+from nvcore.common.errors import SessionError
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Source, SystemSource
-from nvcore.inputs.session_toml import read_session, write_session
-from nvcore.objects import PEDESTRIAN, SPEED_SIGN, Objects, objects_from
-from nvcore.params import Params
-from nvcore.primary import Primary
-from nvcore.protocols import OWN, PROTOCOLS, Protocol
-from nvcore.published import PublishedPoint
+from nvcore.inputs.session.toml import read_session, write_session
+from nvcore.settings.objects import PEDESTRIAN, SPEED_SIGN, Objects, objects_from
+from nvcore.settings.params import Params
+from nvcore.settings.primary import Primary
+from nvcore.settings.protocols import OWN, PROTOCOLS, Protocol
+from nvcore.settings.published import PublishedPoint
 
 MINIMAL = ('[truth]\npath = "gt.csv"', '[[system]]\npath = "fir.csv"')
 FULL = Session(

@@ -11,16 +11,16 @@ from approach import PLACE, approach, only
 from builders import NAN, make_dataset, result_of
 from inputs import drive, session_of, write
 
-from nvcore.comparison import Result
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
+from nvcore.comparison.compare import Result
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session
-from nvcore.inputs.session_toml import read_session, write_session
+from nvcore.inputs.session.toml import read_session, write_session
 from nvcore.inputs.speed import with_speeds
 from nvcore.notes import Note, say
+from nvcore.subjects.time_left.notes import last_chance, speed_of_all
+from nvcore.subjects.time_left.steps import time_left_in, time_left_of
 from nvcore.tables.result import recordings_table
-from nvcore.time_left.notes import last_chance, speed_of_all
-from nvcore.time_left.steps import time_left_in, time_left_of
 
 HEAD = "time_s,speed_kmh"
 

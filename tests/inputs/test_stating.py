@@ -11,8 +11,8 @@ from field_files import session_of
 from inputs import drive, nvcore
 from inputs import session_of as session_of_drive
 
-from nvcore.inputs.changes import stated
 from nvcore.inputs.load import load
+from nvcore.inputs.session.changes import stated
 
 
 def test_a_written_session_states_format_and_layout_of_every_source(tmp_path):

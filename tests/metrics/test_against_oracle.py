@@ -12,11 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import Scene, draw_scene
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
+from nvcore.comparison.scoring import SystemResult
 from nvcore.metrics.proximity import in_use
 from nvcore.metrics.similarity import salient_detection
-from nvcore.params import Params
-from nvcore.scoring import SystemResult
+from nvcore.settings.params import Params
 
 PARAMS = st.builds(
     Params,

@@ -8,12 +8,12 @@ from builders import Box, Place, at, make_dataset
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nvcore.comparison import compare
+from nvcore.common.errors import ParameterError
+from nvcore.comparison.compare import compare
 from nvcore.dataset import Dataset
-from nvcore.errors import ParameterError
 from nvcore.metrics.cost_map import CostMap, fit_line, map_cost
-from nvcore.objects import PEDESTRIAN
-from nvcore.params import Params
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.settings.params import Params
 
 
 def cost_map(dataset: Dataset, *, recording: int = 0, **params: object) -> CostMap:

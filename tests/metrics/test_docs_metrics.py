@@ -9,15 +9,15 @@ import re
 import pytest
 from places import ROOT
 
+from nvcore.dataset.schema import Category, MissClass
 from nvcore.inputs.evaluated_frames import MIN_SAMPLED
 from nvcore.inputs.readers.meaning.values import PARTIAL_OCCLUSION
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
 from nvcore.metrics.proximity.borrowing import LENDING, LONGEST_GAP_S
-from nvcore.params import MIDPOINT_SHARE, SETTINGS, SPREAD_SHARE
-from nvcore.schema import Category, MissClass
-from nvcore.time_left.kernels import EDGE_PX, LEAST_FRAMES
+from nvcore.settings.params import MIDPOINT_SHARE, SETTINGS, SPREAD_SHARE
+from nvcore.subjects.time_left.kernels import EDGE_PX, LEAST_FRAMES
 
 PAGE = (ROOT / "docs" / "metrics.md").read_text(encoding="utf-8")
 

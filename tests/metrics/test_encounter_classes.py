@@ -11,8 +11,8 @@ import pytest
 from builders import Box, at, make_dataset
 
 from nvcore.dataset import Dataset
+from nvcore.dataset.schema import ATTRIBUTE_DTYPES
 from nvcore.metrics.encounter_classes import classes_named, classes_of
-from nvcore.schema import ATTRIBUTE_DTYPES
 
 
 def with_texts(truth: Sequence[Box], texts: Iterable[str]) -> Dataset:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from builders import NAN, Box, Place, at, make_dataset, result_of
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 
 
 def walk(

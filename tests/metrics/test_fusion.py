@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import Scene, draw_scene
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
+from nvcore.comparison.scoring import SystemResult
 from nvcore.dataset import Dataset
 from nvcore.metrics.fusion import fuse
-from nvcore.scoring import SystemResult
 
 
 def fused(dataset: Dataset, *, iou: float = 0.5) -> Dataset:

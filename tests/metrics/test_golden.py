@@ -10,13 +10,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
+from nvcore.comparison.scoring import SystemResult
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.params import params_from
-from nvcore.scoring import SystemResult
+from nvcore.settings.params import params_from
+from nvcore.subjects.time_left.steps import time_left_in, time_left_of
 from nvcore.tables.result import encounters_table
-from nvcore.time_left.steps import time_left_in, time_left_of
 
 pytestmark = pytest.mark.realdata
 

@@ -8,7 +8,7 @@ from builders import Box, at, make_dataset
 
 from nvcore.dataset import Dataset
 from nvcore.metrics.matching import Matches, iou_of_pairs, match_system
-from nvcore.params import Params
+from nvcore.settings.params import Params
 
 
 def matches(dataset: Dataset, *, threshold: float | None = None, **settings: Any) -> Matches:

@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import Scene, draw_scene
 
-from nvcore.comparison import Result, compare
-from nvcore.params import Params
-from nvcore.scoring import SystemResult
+from nvcore.comparison.compare import Result, compare
+from nvcore.comparison.scoring import SystemResult
+from nvcore.settings.params import Params
 
 SEEDS = st.integers(0, 2**32 - 1)
 ALPHA = st.floats(0, 1)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from builders import Box, Place, at, make_dataset, result_of
 
+from nvcore.comparison.scoring import SystemResult
 from nvcore.dataset import Dataset
 from nvcore.metrics.saliency import EVENT_COLUMNS, recency_weight
-from nvcore.params import Params
-from nvcore.scoring import SystemResult
+from nvcore.settings.params import Params
 
 
 def recency(tau: float) -> float:

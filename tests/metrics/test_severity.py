@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from builders import Place, at, make_dataset, result_of
 
+from nvcore.dataset.schema import Category
 from nvcore.metrics.proximity import sigmoid
-from nvcore.schema import Category
 
 
 def test_a_miss_straight_ahead_and_near_costs_a_second_each_second() -> None:

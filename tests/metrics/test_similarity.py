@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from builders import at, make_dataset, result_of
 
-from nvcore.errors import ParameterError
-from nvcore.findings import Remedy, Step
+from nvcore.common.errors import ParameterError
+from nvcore.common.findings import Remedy, Step
+from nvcore.comparison.scoring import SystemResult
 from nvcore.metrics.similarity import find_low_intervals, runs_of, smooth, summarise_similarity
-from nvcore.scoring import SystemResult
 
 
 def score_sets(

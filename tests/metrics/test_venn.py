@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binomtest
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.dataset.schema import Category
 from nvcore.metrics.venn import Venn, categorise, measure_exclusivity
-from nvcore.schema import Category
 
 COUNT = st.integers(0, 30)
 VENNS = st.builds(Venn, COUNT, COUNT, COUNT, COUNT, COUNT)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nvcore.output.csv_text import (
+from nvcore.common.output.csv_text import (
     round_significant,
     spreadsheet_safe,
     to_csv_bytes,

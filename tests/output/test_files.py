@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from places import ROOT
 
-from nvcore.errors import InputError
-from nvcore.output.files import LOCK, MANIFEST, check_folder, write_run, write_whole
+from nvcore.common.errors import InputError
+from nvcore.common.output.files import LOCK, MANIFEST, check_folder, write_run, write_whole
 
 NAMES = [f"{number}.csv" for number in range(8)]
 
@@ -57,7 +57,8 @@ def test_a_run_that_is_killed_leaves_the_older_one_and_its_rest_goes_with_the_ne
     tmp_path: Path,
 ):
     program = (
-        "import os, sys; from pathlib import Path; from nvcore.output.files import write_run\n"
+        "import os, sys; from pathlib import Path\n"
+        "from nvcore.common.output.files import write_run\n"
         "def killed():\n"
         "    yield '0.csv', b'new'\n"
         "    os.kill(os.getpid(), 9)\n"

@@ -16,10 +16,10 @@ from builders import Place, make_dataset, result_of
 from picture_files import number_in, numbered, write_numbered_video, write_picture
 
 from nvcore import __version__
-from nvcore.comparison import Result
-from nvcore.errors import MediaError, ParameterError
-from nvcore.overlay import annotate, frame_png, write_video
-from nvcore.overlay.brush import BLANK_RGB, X_RGB, Y_RGB
+from nvcore.common.errors import MediaError, ParameterError
+from nvcore.comparison.compare import Result
+from nvcore.figures.overlay import annotate, frame_png, write_video
+from nvcore.figures.overlay.brush import BLANK_RGB, X_RGB, Y_RGB
 from nvcore.pictures import open_pictures
 
 

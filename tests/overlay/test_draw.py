@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nvcore.overlay import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
-from nvcore.overlay.brush import BLANK_RGB, ON_LIGHT, TRUTH_RGB, X_RGB, Y_RGB, drawable
-from nvcore.overlay.draw import canvas_size
-from nvcore.schema import DetectionState, TruthState
+from nvcore.dataset.schema import DetectionState, TruthState
+from nvcore.figures.overlay import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
+from nvcore.figures.overlay.brush import BLANK_RGB, ON_LIGHT, TRUTH_RGB, X_RGB, Y_RGB, drawable
+from nvcore.figures.overlay.draw import canvas_size
 
 BOX = (400.0, 300.0, 100.0, 200.0)
 MATCHED, MISSED, NOT_JUDGED = TruthState.MATCHED, TruthState.MISSED, TruthState.NOT_JUDGED

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from builders import at, make_dataset, result_of
 
-from nvcore.comparison import Result
-from nvcore.overlay import explain
-from nvcore.overlay.explain import explain_boxes, explain_similarity
+from nvcore.comparison.compare import Result
+from nvcore.figures.overlay import explain
+from nvcore.figures.overlay.explain import explain_boxes, explain_similarity
 from nvcore.tables.boxes.states import gather_boxes
 
 

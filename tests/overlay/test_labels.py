@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nvcore.overlay import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
-from nvcore.overlay.labels import LabelRoom, overlap, tag_places
-from nvcore.schema import DetectionState, TruthState
+from nvcore.dataset.schema import DetectionState, TruthState
+from nvcore.figures.overlay import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
+from nvcore.figures.overlay.labels import LabelRoom, overlap, tag_places
 
 SIZE = (40.0, 15.0)
 LABEL_WIDTH, LABEL_HEIGHT = SIZE

@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from other_params import OTHER
 
-from nvcore.errors import ParameterError
-from nvcore.objects import PEDESTRIAN, SPEED_SIGN
-from nvcore.params import SETTINGS, Params, params_from, settings_for
-from nvcore.params.presets import PRESETS, presets_for
-from nvcore.stages import EVENTS, MATCH, SALIENCY, Setting
+from nvcore.common.errors import ParameterError
+from nvcore.settings.objects import PEDESTRIAN, SPEED_SIGN
+from nvcore.settings.params import SETTINGS, Params, params_from, settings_for
+from nvcore.settings.params.presets import PRESETS, presets_for
+from nvcore.settings.stages import EVENTS, MATCH, SALIENCY, Setting
 
 NUMBERS = [name for name, setting in SETTINGS.items() if setting.words is None]
 CHOICES = [name for name, setting in SETTINGS.items() if setting.words is not None]

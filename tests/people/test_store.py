@@ -16,14 +16,14 @@ from typing import ClassVar, NamedTuple
 
 import pytest
 
-from nvcore.driver.study.pictures import StudyPicture
-from nvcore.driver.study.settings import StudySettings
-from nvcore.driver.study.touch_task import Answer, DetectabilityStore
-from nvcore.errors import InputError, StoreError
-from nvcore.people import store as engine
-from nvcore.people.participants import counterbalanced_order
-from nvcore.people.store import Study, StudyStore, Table
-from nvcore.ratings.clip_task import RatingStore
+from nvcore.common.errors import InputError, StoreError
+from nvcore.subjects.driver.study.pictures import StudyPicture
+from nvcore.subjects.driver.study.settings import StudySettings
+from nvcore.subjects.driver.study.touch_task import Answer, DetectabilityStore
+from nvcore.subjects.people import store as engine
+from nvcore.subjects.people.participants import counterbalanced_order
+from nvcore.subjects.people.store import Study, StudyStore, Table
+from nvcore.subjects.ratings.clip_task import RatingStore
 
 NOW = datetime(2026, 3, 1, tzinfo=UTC)
 FORM = {"age": "Age in years", "1. Shoe size": "Shoe size"}

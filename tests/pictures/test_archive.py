@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from picture_files import write_zip
 
-from nvcore.errors import MediaError
+from nvcore.common.errors import MediaError
 from nvcore.pictures import Archive, ArchiveLimits
 
 

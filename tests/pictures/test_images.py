@@ -12,7 +12,7 @@ import pytest
 from picture_files import encoded, number_in, numbered, png_that_claims, write_picture, write_zip
 from PIL import ExifTags, Image
 
-from nvcore.errors import MediaError
+from nvcore.common.errors import MediaError
 from nvcore.pictures import is_below, open_pictures
 from nvcore.pictures.header import image_size
 from nvcore.pictures.images import decode_image

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from picture_files import write_numbered_video
 
-from nvcore.errors import MediaError
+from nvcore.common.errors import MediaError
 from nvcore.pictures import open_pictures
 from nvcore.pictures.containers import MOST_SAMPLES, check_samples
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from picture_files import number_in, numbered, write_picture
 
+from nvcore.common.progress import no_progress
 from nvcore.pictures import Picture, open_pictures
 from nvcore.pictures.run import PictureRun, speed_text
-from nvcore.progress import no_progress
 
 
 def test_pictures_that_cannot_be_read_are_skipped_and_no_longer_counted(tmp_path: Path):

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from picture_files import encoded, number_in, numbered, write_picture, write_zip
 
-from nvcore.errors import MediaError
-from nvcore.findings import Remedy, Step
+from nvcore.common.errors import MediaError
+from nvcore.common.findings import Remedy, Step
 from nvcore.pictures import open_pictures
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.index import NumberingRule, map_frames

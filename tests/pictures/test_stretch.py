@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from nvcore.errors import ParameterError
+from nvcore.common.errors import ParameterError
 from nvcore.pictures import jpeg, png, stretch
 
 

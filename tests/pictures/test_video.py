@@ -18,7 +18,7 @@ from picture_files import HEIGHT, WIDTH, number_in, write_numbered_video
 from places import ROOT
 from video_files import remux
 
-from nvcore.errors import MediaError
+from nvcore.common.errors import MediaError
 from nvcore.pictures import open_pictures, png
 
 UNEVEN = np.cumsum([1 + number * 7 % 5 for number in range(100)]).tolist()

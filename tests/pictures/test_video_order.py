@@ -26,7 +26,7 @@ from video_files import (
     with_uncoded_pictures,
 )
 
-from nvcore.errors import MediaError
+from nvcore.common.errors import MediaError
 from nvcore.pictures import Pictures, open_pictures
 from nvcore.pictures.listing import frame_rate, time_notes, usual_step
 from nvcore.pictures.notes import PictureNote, PictureTrait

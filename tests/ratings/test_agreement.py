@@ -6,7 +6,7 @@ import pytest
 from rating_tables import table
 from scipy import stats
 
-from nvcore.ratings.agreement import measure_agreement, rank_ratings
+from nvcore.subjects.ratings.agreement import measure_agreement, rank_ratings
 
 
 def textbook_w(ratings):

@@ -6,11 +6,11 @@ from datetime import UTC, datetime
 
 import pytest
 
-from nvcore.errors import InputError
-from nvcore.output.csv_text import to_csv_bytes
-from nvcore.ratings.clip_task import FORM, Clip, RatingStore, Shown
-from nvcore.ratings.reading import read_ratings
-from nvcore.ratings.worth import Alert
+from nvcore.common.errors import InputError
+from nvcore.common.output.csv_text import to_csv_bytes
+from nvcore.subjects.ratings.clip_task import FORM, Clip, RatingStore, Shown
+from nvcore.subjects.ratings.reading import read_ratings
+from nvcore.subjects.ratings.worth import Alert
 
 CLIPS = (("A", "FIR"), ("B", "FIR"), ("A", "NIR"), ("B", "NIR"))
 ALERT = Alert("A", "FIR", 7.5, 8.0, "needed")

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from builders import NAN, at, make_dataset, result_of
 
-from nvcore.errors import InputError
-from nvcore.ratings.clips import clip_name, compare_clips, cut_clips, stretch_of
-from nvcore.ratings.validation import clip_saliency
+from nvcore.common.errors import InputError
+from nvcore.subjects.ratings.clips import clip_name, compare_clips, cut_clips, stretch_of
+from nvcore.subjects.ratings.validation import clip_saliency
 
 
 def frames(begin_s, end_s):

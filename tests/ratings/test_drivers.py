@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 from scipy import stats
 
-from nvcore.ratings import drivers as module
-from nvcore.ratings.drivers import DRIVERS, find_drivers
+from nvcore.subjects.ratings import drivers as module
+from nvcore.subjects.ratings.drivers import DRIVERS, find_drivers
 
 
 def study(ranks: np.ndarray, **columns: np.ndarray) -> tuple[pd.DataFrame, pd.DataFrame]:

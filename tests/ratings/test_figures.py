@@ -7,10 +7,10 @@ import pandas as pd
 import pytest
 from figure_parts import trace, words
 
-from nvcore.ratings.agreement import Agreement
-from nvcore.ratings.figures import participants_plot, rating_plot
-from nvcore.ratings.trend import fit_trend
-from nvcore.ratings.validation import Correlation
+from nvcore.subjects.ratings.agreement import Agreement
+from nvcore.subjects.ratings.figures import participants_plot, rating_plot
+from nvcore.subjects.ratings.trend import fit_trend
+from nvcore.subjects.ratings.validation import Correlation
 
 
 def clips(n: int = 12) -> pd.DataFrame:

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 from inputs import write
 
-from nvcore.errors import FormatError
-from nvcore.ratings.reading import parse_ratings, read_ratings
+from nvcore.common.errors import FormatError
+from nvcore.subjects.ratings.reading import parse_ratings, read_ratings
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nvcore.ratings.trend import fit_trend
+from nvcore.subjects.ratings.trend import fit_trend
 
 
 def clips(rank: np.ndarray, saliency_s: np.ndarray, *, per_recording: int = 1) -> pd.DataFrame:

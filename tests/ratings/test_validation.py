@@ -10,14 +10,14 @@ from places import SAMPLE
 from rating_tables import table
 from scipy import stats
 
-from nvcore.comparison import Result, compare
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
+from nvcore.comparison.compare import Result, compare
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
-from nvcore.ratings import fit as module
-from nvcore.ratings.agreement import rank_ratings
-from nvcore.ratings.fit import FITTED_SETTINGS, fit_saliency
-from nvcore.ratings.validation import (
+from nvcore.inputs.session.toml import read_session
+from nvcore.subjects.ratings import fit as module
+from nvcore.subjects.ratings.agreement import rank_ratings
+from nvcore.subjects.ratings.fit import FITTED_SETTINGS, fit_saliency
+from nvcore.subjects.ratings.validation import (
     clip_saliency,
     correlate,
     join_clips,
@@ -270,7 +270,7 @@ def test_many_clips_counted_by_sorting_have_the_same_intervals(monkeypatch):
     saliency = np.round(rng.normal(size=20), 1)
     rank = np.round(saliency + rng.normal(size=20), 1)
     by_pairs = correlate(saliency, rank)
-    monkeypatch.setattr("nvcore.ratings.validation.MOST_IN_PAIRS", 10)
+    monkeypatch.setattr("nvcore.subjects.ratings.validation.MOST_IN_PAIRS", 10)
     by_sorting = correlate(saliency, rank)
     assert by_sorting[2].low == pytest.approx(by_pairs[2].low)
     assert by_sorting[2].high == pytest.approx(by_pairs[2].high)

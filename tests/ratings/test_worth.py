@@ -6,9 +6,9 @@ import pytest
 from places import SAMPLE
 
 import nvcore as nv
-from nvcore.alerts.face import write_alerts
-from nvcore.errors import FormatError
-from nvcore.ratings.worth import agreement_of_kinds, read_alerts
+from nvcore.common.errors import FormatError
+from nvcore.subjects.alerts.calls import write_alerts
+from nvcore.subjects.ratings.worth import agreement_of_kinds, read_alerts
 
 HEAD = "recording,system,start_s,end_s,kind\n"
 

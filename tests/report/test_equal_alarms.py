@@ -7,13 +7,13 @@ import json
 import pytest
 from drives import at_thresholds, drives
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
 from nvcore.evidence.operating_points import AS_SET, find_equal_alarms
-from nvcore.evidence.subgroup_table import GIVEN_THRESHOLD, subgroup_table
 from nvcore.evidence.subgroups import ALL
+from nvcore.evidence.subgroups.table import GIVEN_THRESHOLD, subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.report.files import export_files, summary_json
-from nvcore.settings import Settings
+from nvcore.settings.defaults import Settings
 
 
 @pytest.fixture(scope="module")

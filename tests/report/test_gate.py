@@ -12,12 +12,12 @@ from builders import Place, at, make_dataset, result_of
 from drives import by_figure, drives
 from places import ROOT
 
-from nvcore.comparison import Result
-from nvcore.errors import ParameterError
-from nvcore.findings import Finding, Severity
-from nvcore.measures.entry import Measure
-from nvcore.measures.table import MEASURES
-from nvcore.protocols import PROTOCOLS
+from nvcore.common.errors import ParameterError
+from nvcore.common.findings import Finding, Severity
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import Measure
+from nvcore.comparison.measures.table import MEASURES
+from nvcore.dataset.schema import Category
 from nvcore.report.gate import audit_rules, run_gate
 from nvcore.report.gate.details import encounters_of, explain
 from nvcore.report.gate.measures import SUMMARY_NAMES, gate_measures, measure_names
@@ -32,7 +32,7 @@ from nvcore.report.gate.results import (
     what_is_not_asked,
 )
 from nvcore.report.gate.rules import Rule, parse_rule, read_rules
-from nvcore.schema import Category
+from nvcore.settings.protocols import PROTOCOLS
 from nvcore.tables.result import recordings_table
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.summary import summary

@@ -11,9 +11,8 @@ import pandas as pd
 import pytest
 from drives import at_thresholds, drives
 
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
 from nvcore.evidence.pairwise import COLUMNS, pairwise_table
-from nvcore.params import Params
 from nvcore.report.matrix import (
     MATRIX_FILES,
     PAIR_MEASURES,
@@ -25,6 +24,7 @@ from nvcore.report.matrix import (
     winner_of,
     write_matrix,
 )
+from nvcore.settings.params import Params
 
 OF_NUMBERS = [name for name in COLUMNS if name not in ("x", "y", "unit")]
 

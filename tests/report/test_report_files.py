@@ -14,13 +14,13 @@ import pandas as pd
 import pytest
 from inputs import drive, session_of, write
 
-from nvcore.comparison import Result, compare
-from nvcore.errors import InputError
-from nvcore.findings import Finding, Severity
+from nvcore.common.errors import InputError
+from nvcore.common.findings import Finding, Severity
+from nvcore.common.output.csv_text import to_csv_bytes
+from nvcore.common.output.files import LOCK, MANIFEST, manifest
+from nvcore.comparison.compare import Result, compare
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
-from nvcore.output.csv_text import to_csv_bytes
-from nvcore.output.files import LOCK, MANIFEST, manifest
 from nvcore.report.files import export_files, report_zip, summary_json, write_report
 
 FILES = [

@@ -13,11 +13,12 @@ import pytest
 from builders import NAN, Place, at, make_dataset, result_of
 from drives import at_thresholds
 
-from nvcore.comparison import Result
+from nvcore.common.findings import Finding, Severity
+from nvcore.common.wording import difference, number, one_line
+from nvcore.comparison.compare import Result
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.operating_points import find_equal_alarms
 from nvcore.evidence.table import evidence_table
-from nvcore.findings import Finding, Severity
 from nvcore.notes import Note
 from nvcore.report.terminal import (
     render_dataset,
@@ -28,7 +29,6 @@ from nvcore.report.terminal import (
 )
 from nvcore.report.verdict import verdict
 from nvcore.tables.summary import summary
-from nvcore.wording import difference, number, one_line
 
 
 @pytest.fixture(scope="module")

@@ -11,12 +11,12 @@ from drives import at_thresholds
 from places import SAMPLE
 from verdict_scenes import detecting
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.operating_points import count_alarms, find_equal_alarms
 from nvcore.evidence.table import evidence_table
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
 from nvcore.notes import Note
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import verdict

@@ -9,9 +9,9 @@ from builders import NAN, Place, at, make_dataset, result_of
 from places import ROOT
 from verdict_scenes import BY_UNIT, detecting, row_of, said, verdict_by, whole_verdict
 
-from nvcore.comparison import Result
+from nvcore.common.findings import Finding, Severity
+from nvcore.comparison.compare import Result
 from nvcore.evidence.companions import Companions
-from nvcore.findings import Finding, Severity
 from nvcore.notes import Note
 from nvcore.notes.caveats import CAVEATS
 from nvcore.report.verdict import Verdict, verdict

@@ -6,11 +6,11 @@ from builders import result_of
 from drives import at_thresholds, turned_by_strict_pairing
 from verdict_scenes import said, whole_verdict
 
+from nvcore.common.findings import Finding, Severity
 from nvcore.evidence.claims import Basis
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.measures import significance_table
 from nvcore.evidence.operating_points import find_equal_alarms
-from nvcore.findings import Finding, Severity
 from nvcore.notes import Note
 from nvcore.report.verdict import verdict
 

@@ -8,10 +8,9 @@ import pandas as pd
 import pytest
 from builders import Place, at, make_dataset, result_of
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.metrics.venn import Venn, measure_exclusivity
 from nvcore.notes import Note
-from nvcore.params import Params
 from nvcore.report.words import (
     at_best,
     fusion_gains,
@@ -20,6 +19,7 @@ from nvcore.report.words import (
     saliencies,
     saliency_caveat,
 )
+from nvcore.settings.params import Params
 from nvcore.tables.encounters.miss_classes import fusion_table
 
 

@@ -10,8 +10,8 @@ import pytest
 from places import ROOT
 
 import nvcore as nv
-from nvcore.comparison import Result, compare
-from nvcore.params import Params
+from nvcore.comparison.compare import Result, compare
+from nvcore.settings.params import Params
 from scripts.contact_in_metres import (
     PICTURE,
     SIZES,

@@ -15,7 +15,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from nvcore.errors import InputError, NvcoreError
+from nvcore.common.errors import InputError, NvcoreError
 from scripts.fuzz.__main__ import fuzz, prepare
 from scripts.fuzz.target import mutated_text, without_bad_lines
 from scripts.fuzz.targets import TARGETS

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from places import ROOT
 
-from nvcore.detection import DetectionCurve
-from nvcore.protocols import PROTOCOLS
+from nvcore.metrics.detection import DetectionCurve
+from nvcore.settings.protocols import PROTOCOLS
 from scripts.detectors.sign_measures import first_with_all, missed
 
 

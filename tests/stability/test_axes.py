@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from builders import Place, at, make_dataset, result_of
 
-from nvcore.comparison import compare
-from nvcore.params import Params
-from nvcore.params.presets import PRESETS
-from nvcore.stability.axes import Axis, axes_of
+from nvcore.comparison.compare import compare
+from nvcore.evidence.stability.axes import Axis, axes_of
+from nvcore.settings.params import Params
+from nvcore.settings.params.presets import PRESETS
 
 
 def midpoint_axis(heights: list[float], **params: object) -> Axis:

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from builders import at, make_dataset, result_of
 
-from nvcore.comparison import Result, compare
-from nvcore.params import Params
-from nvcore.stability.map import N_RATES, equal_alarm_thresholds, map_stability
-from nvcore.stability.notes import describe_stability
-from nvcore.stability.scores import Criterion
+from nvcore.comparison.compare import Result, compare
+from nvcore.evidence.stability.map import N_RATES, equal_alarm_thresholds, map_stability
+from nvcore.evidence.stability.notes import describe_stability
+from nvcore.evidence.stability.scores import Criterion
+from nvcore.settings.params import Params
 
 N_FRAMES = 100
 

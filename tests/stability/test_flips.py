@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nvcore.stability.axes import Axis
-from nvcore.stability.map import StabilityMap, winners
-from nvcore.stability.notes import describe_stability
-from nvcore.stability.scores import Criterion
+from nvcore.evidence.stability.axes import Axis
+from nvcore.evidence.stability.map import StabilityMap, winners
+from nvcore.evidence.stability.notes import describe_stability
+from nvcore.evidence.stability.scores import Criterion
 
 NAMES = ("alpha", "midpoint", "iou")
 CRITERIA: tuple[Criterion, ...] = ("similarity", "encounters", "saliency")

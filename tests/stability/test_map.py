@@ -10,15 +10,15 @@ import pytest
 from builders import Box, Place, at, make_dataset, result_of
 from scenes import draw_scene
 
-from nvcore import comparison
-from nvcore.comparison import Result, compare
-from nvcore.errors import InputError, ParameterError
-from nvcore.params import Params
-from nvcore.scoring import system
-from nvcore.stability import scores
-from nvcore.stability.axes import Plane
-from nvcore.stability.map import map_stability
-from nvcore.stability.scores import Criterion
+from nvcore.common.errors import InputError, ParameterError
+from nvcore.comparison import compare as comparison
+from nvcore.comparison.compare import Result, compare
+from nvcore.comparison.scoring import system
+from nvcore.evidence.stability import scores
+from nvcore.evidence.stability.axes import Plane
+from nvcore.evidence.stability.map import map_stability
+from nvcore.evidence.stability.scores import Criterion
+from nvcore.settings.params import Params
 
 CRITERIA: tuple[Criterion, ...] = get_args(Criterion)
 
@@ -202,7 +202,7 @@ def test_progress_goes_from_nothing_to_all() -> None:
 
 
 def test_a_cancelled_map_stops_between_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    from nvcore.stability.map import score_setting as original
+    from nvcore.evidence.stability.map import score_setting as original
 
     started = []
 
@@ -214,7 +214,7 @@ def test_a_cancelled_map_stops_between_steps(monkeypatch: pytest.MonkeyPatch) ->
         if share > 0.04:  # two of 41 steps
             raise CancelledError
 
-    monkeypatch.setattr("nvcore.stability.map.score_setting", score)
+    monkeypatch.setattr("nvcore.evidence.stability.map.score_setting", score)
     with pytest.raises(CancelledError):
         map_stability(tied(), "edge-weight", progress=progress)
     assert len(started) == 2
@@ -222,7 +222,7 @@ def test_a_cancelled_map_stops_between_steps(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_a_map_cancelled_beforehand_does_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     started: list[object] = []
-    monkeypatch.setattr("nvcore.stability.map.match_fully", started.append)
+    monkeypatch.setattr("nvcore.evidence.stability.map.match_fully", started.append)
 
     def progress(share: float, _what: str) -> None:
         assert share == 0

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from scenes import draw_scene
 
-from nvcore.comparison import Result, compare
-from nvcore.params import Params
-from nvcore.stability.axes import Plane
-from nvcore.stability.map import StabilityMap, map_stability
-from nvcore.stability.scores import Criterion
+from nvcore.comparison.compare import Result, compare
+from nvcore.evidence.stability.axes import Plane
+from nvcore.evidence.stability.map import StabilityMap, map_stability
+from nvcore.evidence.stability.scores import Criterion
+from nvcore.settings.params import Params
 
 PLANES: tuple[Plane, ...] = get_args(Plane)
 CRITERIA: tuple[Criterion, ...] = get_args(Criterion)

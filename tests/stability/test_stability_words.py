@@ -7,12 +7,12 @@ from collections.abc import Callable
 import pytest
 from builders import Place, at, make_dataset, result_of
 
-from nvcore.comparison import Result, compare
-from nvcore.params import Params
-from nvcore.stability.axes import Plane
-from nvcore.stability.map import map_stability
-from nvcore.stability.notes import describe_in_short, describe_stability, difference_text
-from nvcore.stability.scores import Criterion
+from nvcore.comparison.compare import Result, compare
+from nvcore.evidence.stability.axes import Plane
+from nvcore.evidence.stability.map import map_stability
+from nvcore.evidence.stability.notes import describe_in_short, describe_stability, difference_text
+from nvcore.evidence.stability.scores import Criterion
+from nvcore.settings.params import Params
 
 ALPHA, EDGE, BOTH, MATCHING = "alpha-midpoint", "edge-weight", "edge-weight-alpha", "matching"
 SIMILARITY, ENCOUNTERS, SALIENCY = "similarity", "encounters", "saliency"

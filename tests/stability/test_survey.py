@@ -10,21 +10,26 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 from scenes import draw_scene
 
-from nvcore.comparison import Result, compare
-from nvcore.evidence.table import evidence_table
-from nvcore.figures.maps import stability_map
-from nvcore.params import Params
-from nvcore.stability.axes import Plane
-from nvcore.stability.map import map_stability
-from nvcore.stability.notes import CRITERIA, describe_chance, describe_stability, share_text
-from nvcore.stability.scores import Criterion
-from nvcore.stability.survey import (
+from nvcore.comparison.compare import Result, compare
+from nvcore.evidence.stability.axes import Plane
+from nvcore.evidence.stability.map import map_stability
+from nvcore.evidence.stability.notes import (
+    CRITERIA,
+    describe_chance,
+    describe_stability,
+    share_text,
+)
+from nvcore.evidence.stability.scores import Criterion
+from nvcore.evidence.stability.survey import (
     SURVEY_PLANES,
     SurveyRow,
     held_text,
     survey_stability,
     survey_table,
 )
+from nvcore.evidence.table import evidence_table
+from nvcore.figures.maps import stability_map
+from nvcore.settings.params import Params
 
 ONE = [at(0, 50, score=0.5), at(0, 20, score=0.2)]
 CASES: dict[str, Result] = {

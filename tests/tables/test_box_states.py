@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import draw_scene, three_frames
 
-from nvcore.comparison import compare
-from nvcore.params import Params
-from nvcore.schema import DetectionState, TruthState
+from nvcore.comparison.compare import compare
+from nvcore.dataset.schema import DetectionState, TruthState
+from nvcore.settings.params import Params
 from nvcore.tables.boxes.states import FrameBoxes, gather_boxes
 
 

@@ -9,7 +9,7 @@ import pytest
 from builders import Box, make_dataset, result_of
 from limits import LABELS, limits_read, sign
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.figures.maps import classes_plot
 from nvcore.tables.classes import classes_table, has_classes, names_classes, read_share
 

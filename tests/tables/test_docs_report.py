@@ -19,24 +19,23 @@ from inputs import drive, session_of
 from limits import limits_read
 from places import ROOT
 
-from nvcore.codes import CodedInterval
-from nvcore.comparison import compare
-from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT
+from nvcore.common.findings import Cases, Finding, Severity
+from nvcore.common.output.csv_text import to_csv_bytes
+from nvcore.common.subject import contributed
+from nvcore.comparison.compare import compare
+from nvcore.dataset.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
 from nvcore.evidence.pairwise import pairwise_table
-from nvcore.findings import Cases, Finding, Severity
 from nvcore.inputs.load import load
-from nvcore.objects import PEDESTRIAN
-from nvcore.output.csv_text import to_csv_bytes
-from nvcore.params import Params
 from nvcore.report.files import export_files
-from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
-from nvcore.subjects import contributed
-from nvcore.tables.added import added_columns
+from nvcore.settings.codes import CodedInterval
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.settings.params import Params
+from nvcore.subjects.driver.comparison.judging import DRIVER_REGION_TEXT
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES
 from nvcore.tables.classes import classes_table
-from nvcore.tables.column import CellKind, Column
+from nvcore.tables.column import CellKind, Column, added_columns
 from nvcore.tables.columns import report_columns
-from nvcore.tables.evidence_columns import MATRIX_COLUMNS
+from nvcore.tables.columns.evidence import MATRIX_COLUMNS
 from nvcore.tables.result import codes_table
 from nvcore.tables.summary import SYSTEM_KEYS, summary_keys
 

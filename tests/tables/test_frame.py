@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from builders import Place, at, make_dataset, result_of
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.tables.frame import frame_summary
 
 

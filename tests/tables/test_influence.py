@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from builders import Box, Place, at, make_dataset, result_of
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.notes import say
-from nvcore.objects import PEDESTRIAN
+from nvcore.settings.objects import PEDESTRIAN
 from nvcore.tables.influence import leads, similarity_without_each
 
 PLACES = [Place(range(10)), Place([]), Place(range(5))]

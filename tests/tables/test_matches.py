@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import draw_scene, three_frames
 
-from nvcore.comparison import Result, compare
-from nvcore.params import Params
+from nvcore.comparison.compare import Result, compare
+from nvcore.settings.params import Params
 from nvcore.tables.boxes import matches
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, matches_parquet, matches_table
 from nvcore.tables.result import frames_table

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 from builders import Box, Place, at, make_dataset, result_of
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.tables.moments import (
     NEVER,
     encounter_box,

@@ -11,8 +11,8 @@ import pandas as pd
 import pytest
 from builders import Place, at, make_dataset, result_of
 
-from nvcore.comparison import Result
-from nvcore.findings import Finding, Severity
+from nvcore.common.findings import Finding, Severity
+from nvcore.comparison.compare import Result
 from nvcore.inputs.session import RecordingEntry, Session, Source
 from nvcore.tables.result import (
     encounters_table,

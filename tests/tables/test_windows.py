@@ -6,7 +6,7 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 
 from nvcore.notes import Note, say
-from nvcore.objects import PEDESTRIAN
+from nvcore.settings.objects import PEDESTRIAN
 from nvcore.tables.windows import ALL, windows_table, worst_windows_note
 
 

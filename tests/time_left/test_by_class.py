@@ -9,12 +9,12 @@ import pandas as pd
 import pytest
 from approach import ALL, LATE, NEVER, met
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
+from nvcore.dataset.schema import ATTRIBUTE_DTYPES
 from nvcore.evidence.subgroups import class_groups
 from nvcore.report.section import Fold, Table
-from nvcore.schema import ATTRIBUTE_DTYPES
-from nvcore.time_left.by_class import OfClass, time_left_by_class
-from nvcore.time_left.section import SECTIONS
+from nvcore.subjects.time_left.by_class import OfClass, time_left_by_class
+from nvcore.subjects.time_left.section import SECTIONS
 
 
 def with_children(result: Result, *recordings: int) -> Result:

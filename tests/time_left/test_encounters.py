@@ -8,14 +8,14 @@ from approach import ALL, LATE, NEVER, approach, met
 from builders import at, make_dataset, result_of
 
 from nvcore.notes import phrase
-from nvcore.objects import PEDESTRIAN
-from nvcore.time_left.encounters import (
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.subjects.time_left.encounters import (
     contact_at,
     count_in_time,
     nearest_contact,
     urgent_encounters,
 )
-from nvcore.time_left.notes import responses
+from nvcore.subjects.time_left.notes import responses
 
 
 def test_the_fastest_impact_is_on_top_then_the_smaller_margin():

@@ -11,13 +11,13 @@ from builders import at, make_dataset, result_of
 from figure_parts import shape, trace, words
 
 from nvcore.api.figures import Figures
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
 from nvcore.figures.lanes import lanes_figure
 from nvcore.figures.style import LOOK
-from nvcore.time_left import figures
-from nvcore.time_left.encounters import urgent_encounters
-from nvcore.time_left.figures import approach_plot, margins_plot, over_speed_plot
-from nvcore.time_left.steps import time_left_in
+from nvcore.subjects.time_left import figures
+from nvcore.subjects.time_left.encounters import urgent_encounters
+from nvcore.subjects.time_left.figures import approach_plot, margins_plot, over_speed_plot
+from nvcore.subjects.time_left.steps import time_left_in
 
 LAST_CHANCE = 29
 

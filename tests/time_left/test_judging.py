@@ -9,10 +9,10 @@ from builders import NAN, Box, Place, at, make_dataset, result_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nvcore.comparison import Result, compare
-from nvcore.params import Params
-from nvcore.time_left.judging import SPEEDS_KMH, turning_speeds
-from nvcore.time_left.steps import confirmed_by, time_left_in, time_left_of
+from nvcore.comparison.compare import Result, compare
+from nvcore.settings.params import Params
+from nvcore.subjects.time_left.judging import SPEEDS_KMH, turning_speeds
+from nvcore.subjects.time_left.steps import confirmed_by, time_left_in, time_left_of
 
 # At 50 km/h the car needs 1.2 s + 13.889 / 14 s = 2.1921 s: with contact after 5 s the last chance
 # is frame 29 (2.1 s left), the first of ten a second that is below.

@@ -9,12 +9,19 @@ import pytest
 from approach import PLACE, approach, only
 from builders import Place, at, make_dataset, result_of
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
 from nvcore.notes import Note, say
-from nvcore.objects import PEDESTRIAN
-from nvcore.params import Params
-from nvcore.time_left.notes import confirmed, few_urgent, last_chance, needed, orders, urgent
-from nvcore.time_left.steps import time_left_in
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.settings.params import Params
+from nvcore.subjects.time_left.notes import (
+    confirmed,
+    few_urgent,
+    last_chance,
+    needed,
+    orders,
+    urgent,
+)
+from nvcore.subjects.time_left.steps import time_left_in
 
 ASSUMED = Note("time_left.speed", kmh=50.0)
 ASSUMED_OF_ONE = Note("time_left.speed_of_one", kmh=[50.0], is_stated=False)

@@ -12,9 +12,9 @@ import pytest
 from click.testing import CliRunner
 from places import ROOT
 
-from nvcore.inputs.session_toml import read_session
-from nvcore.progress import Progress
-from nvcore.ratings.reading import RATINGS_FILE
+from nvcore.common.progress import Progress
+from nvcore.inputs.session.toml import read_session
+from nvcore.subjects.ratings.reading import RATINGS_FILE
 from tools import sample
 from tools.sample import __main__ as program
 from tools.sample.camera import FPS

@@ -10,7 +10,7 @@ import pytest
 from places import SAMPLE
 
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
 from tools.sample import speed_signs
 from tools.sample.speed_signs import DRIVES, files, write_speed_signs
 

@@ -10,7 +10,7 @@ from signs import write_signs
 from streamlit.testing.v1 import AppTest
 from streamlit.testing.v1.element_tree import Block
 
-from nvcore.wording.objects import words_for
+from nvcore.common.wording.objects import words_for
 from pages import begin_with, checked, opened, part, space_of, texts, to_page
 from ui.shell.pages import PAGE_OF
 
@@ -63,7 +63,7 @@ def test_a_page_speaks_of_speed_signs_alone_and_leaves_no_word_open(page: str, v
 
 
 def test_the_driver_is_asked_about_speed_signs(visit: AppTest):
-    page = checked(part("ui.driver.run.draw_missing()", space=space_of(visit)).run())
+    page = checked(part("ui.subjects.driver.run.draw_missing()", space=space_of(visit)).run())
     assert "Whether the driver sees the speed signs is not known yet" in texts(page)
 
 

@@ -13,16 +13,16 @@ from asgi import ask
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 
-from nvcore import subjects
-from nvcore.ratings.clip_task import RatingStore
-from nvcore.stages import SALIENCY
-from nvcore.subjects import Subject
-from ui.documentation import page as documentation
-from ui.people.studies import Studies
+from nvcore.common import subject as subjects
+from nvcore.common.subject import Subject
+from nvcore.settings.stages import SALIENCY
+from nvcore.subjects.ratings.clip_task import RatingStore
 from ui.serving.life import check_start
 from ui.session.routes import Place
 from ui.shell import pages
-from ui.subjects import Document, Page, contributed
+from ui.subject import Document, Page, contributed
+from ui.subjects.people.studies import Studies
+from ui.views.documentation import page as documentation
 
 
 async def answer(request: Request) -> Response:

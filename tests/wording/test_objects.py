@@ -12,10 +12,10 @@ from string import Formatter
 import pytest
 from places import ROOT
 
-from nvcore.measures.table import MEASURES
-from nvcore.objects import PEDESTRIAN, SPEED_SIGN, Objects, objects_from
-from nvcore.params import SETTINGS
-from nvcore.wording.objects import words_for
+from nvcore.common.wording.objects import words_for
+from nvcore.comparison.measures.table import MEASURES
+from nvcore.settings.objects import PEDESTRIAN, SPEED_SIGN, Objects, objects_from
+from nvcore.settings.params import SETTINGS
 
 WORDS = frozenset(words_for("animal", "animals", are_people=False))
 ANIMAL, CAR = objects_from("animal"), objects_from("car")

@@ -17,8 +17,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from nvcore.progress import Progress, no_progress
-from nvcore.ratings.reading import RATINGS_FILE
+from nvcore.common.progress import Progress, no_progress
+from nvcore.subjects.ratings.reading import RATINGS_FILE
 from tools.sample.ratings import ratings_text, simulate_ratings
 from tools.sample.recordings import all_recordings
 from tools.sample.render import pictures

@@ -9,10 +9,10 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import compare
+from nvcore.comparison.compare import compare
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
-from nvcore.ratings.validation import clip_saliency
+from nvcore.inputs.session.toml import read_session
+from nvcore.subjects.ratings.validation import clip_saliency
 
 N_PARTICIPANTS: Final = 16
 LOW: Final = 1

@@ -16,8 +16,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from nvcore.params.traffic import context_word
-from nvcore.schema import KMH
+from nvcore.dataset.schema import KMH
+from nvcore.settings.params.traffic import context_word
 from tools.sample.camera import FPS, N_FRAMES, Floats
 from tools.sample.objects import upright
 from tools.sample.places import COUNTRY, country_things, town_things

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from nvcore.params.traffic import context_word
+from nvcore.settings.params.traffic import context_word
 from tools.sample.camera import FPS, HEIGHT, N_FRAMES, WIDTH
 from tools.sample.scene import Recording
 from tools.sample.study.scenes import N_PICTURES

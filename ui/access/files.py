@@ -18,12 +18,12 @@ from itertools import islice, takewhile
 from pathlib import Path, PurePosixPath
 from typing import Final
 
-from nvcore.errors import InputError, SessionError
-from nvcore.file_kinds import as_stored, composed, unpacked_name
-from nvcore.inputs.patterns import matching
+from nvcore.common.errors import InputError, SessionError
+from nvcore.common.file_kinds import as_stored, composed, unpacked_name
+from nvcore.common.wording import one_line
+from nvcore.inputs.files.patterns import matching
 from nvcore.inputs.session import Session
 from nvcore.pictures.open import is_below
-from nvcore.wording import one_line
 from ui.settings.start import argument
 
 ENVIRONMENT: Final = "NVCORE_LOCAL_ROOT"

@@ -18,9 +18,9 @@ from urllib.parse import urlsplit
 
 import streamlit as st
 
-from nvcore.errors import InputError
-from nvcore.extras import needs
-from nvcore.inputs.toml_text import parse_toml
+from nvcore.common.errors import InputError
+from nvcore.common.extras import needs
+from nvcore.inputs.session.toml_text import parse_toml
 from ui.settings.start import argument, base_path
 from ui.streamlit_inside.login import CALLBACK, has_authlib, section_of_secrets
 

@@ -18,7 +18,7 @@ from typing import Any, Final
 
 import streamlit as st
 
-from nvcore.errors import NvcoreError
+from nvcore.common.errors import NvcoreError
 from ui.access.login import Login, login
 from ui.streamlit_inside.login import signed_user
 

@@ -24,10 +24,10 @@ from pathlib import Path
 
 import nvcore.inputs.load
 import nvcore.pictures.open  # noqa: F401  # loaded for the forked processes
-from nvcore.errors import NvcoreError
+from nvcore.common.errors import NvcoreError
 from ui.confined.transfer import Fault, Step, send_answer
 from ui.settings.limits import MEBI
-from ui.subjects import contributed
+from ui.subject import contributed
 
 ENDS_FIRST = "900"
 """OOM score (of 1000) at which the kernel kills these processes before the server.

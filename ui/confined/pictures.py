@@ -8,7 +8,7 @@ from copy import copy
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from nvcore.errors import InputError, MediaError
+from nvcore.common.errors import InputError, MediaError
 from nvcore.pictures.base import Picture, Pictures, check_index
 from nvcore.pictures.open import open_pictures
 from ui.confined.process import Allowance, Process

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any, Final, TypeVar, cast
 
-from nvcore.errors import InputError, NvcoreError
-from nvcore.progress import Progress
+from nvcore.common.errors import InputError, NvcoreError
+from nvcore.common.progress import Progress
 from ui.confined.transfer import Fault, Step, receive_answer
 
 T = TypeVar("T")

@@ -15,12 +15,12 @@ from typing import Final, ParamSpec, TypeVar
 from nvcore.dataset import Dataset
 from nvcore.inputs.codes import with_codes
 from nvcore.inputs.evaluated_frames import parse_frames
-from nvcore.inputs.files import find_files
+from nvcore.inputs.files.find import find_files
 from nvcore.inputs.load import load, read_source
 from nvcore.inputs.readers.base import Role
-from nvcore.inputs.recordings_file import read_recordings_file, with_recordings_file
 from nvcore.inputs.session import Session, Source
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.recordings_file import read_recordings_file, with_recordings_file
+from nvcore.inputs.session.toml import read_session
 from ui.confined.process import Allowance, call
 from ui.settings.limits import limits_of_environment
 
@@ -69,7 +69,7 @@ def _find(source: Source, folder: Path, role: Role) -> FilesFound:
 
 read_confined = _confined(read_source)
 find_confined = _confined(_find)
-"""Runs `nvcore.inputs.files.find_files`, which looks into the files."""
+"""Runs `nvcore.inputs.files.find.find_files`, which looks into the files."""
 frames_confined = _confined(parse_frames)
 session_confined = _confined(read_session, "reading the session file", is_small=True)
 """Confined because parsing keys of thousands of parts takes long."""
@@ -83,7 +83,7 @@ def load_confined(session: Session) -> Dataset:
 
 
 def with_recordings_confined(session: Session) -> Session:
-    """Run `nvcore.inputs.recordings_file.with_recordings_file` if there is such a file."""
+    """Run `nvcore.inputs.session.recordings_file.with_recordings_file` if there is such a file."""
     if session.recordings_file is None:
         return session
     return _confined(with_recordings_file, OF_TABLE, is_small=True)(session)

@@ -11,8 +11,8 @@ from enum import Enum, auto
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
-from nvcore.errors import NvcoreError
-from nvcore.progress import Progress
+from nvcore.common.errors import NvcoreError
+from nvcore.common.progress import Progress
 from ui.session.uploads import remove_folder
 from ui.session.workspace import Workspace
 

@@ -6,7 +6,7 @@ from typing import Final
 
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.units import find_units
 from ui.jobs.computed import Computation

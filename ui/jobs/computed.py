@@ -9,7 +9,7 @@ from typing import Any, Final, Generic
 
 import streamlit as st
 
-from nvcore.progress import Progress, no_progress
+from nvcore.common.progress import Progress, no_progress
 from ui.jobs.background import JobState, Output
 from ui.jobs.page_run import PageRun
 from ui.session import state

@@ -9,9 +9,9 @@ from typing import Any, Generic
 
 import streamlit as st
 
+from nvcore.common.progress import Progress
 from nvcore.dataset import Dataset
 from nvcore.inputs.session import Session
-from nvcore.progress import Progress
 from ui.jobs.background import BackgroundJob, JobState, Output
 from ui.jobs.progress import draw_progress
 from ui.session import state

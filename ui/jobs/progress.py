@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import streamlit as st
 
-from nvcore.wording import percent
+from nvcore.common.wording import percent
 from ui.jobs.background import BackgroundJob, JobState
 from ui.session import store
 from ui.widgets.text import plain

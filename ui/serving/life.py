@@ -20,12 +20,12 @@ from itertools import chain
 from types import FrameType
 from typing import Any, Final
 
-from nvcore.comparison import compare
-from nvcore.errors import InputError, NvcoreError
+from nvcore.common.errors import InputError, NvcoreError
+from nvcore.comparison.compare import compare
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.units import find_units
-from nvcore.inputs.files import find_all
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.files.find import find_all
+from nvcore.inputs.session.toml import read_session
 from ui.access.files import local_root
 from ui.confined import process
 from ui.jobs import companions
@@ -36,7 +36,7 @@ from ui.session.results import cached_evidence, cached_findings, cached_miss_rat
 from ui.session.state import kept_result, shared_start
 from ui.settings.limits import limits_of_environment
 from ui.settings.start import start_file
-from ui.subjects import contributed
+from ui.subject import contributed
 
 _shutdown = threading.Event()
 EVERY_S: Final = 3600.0

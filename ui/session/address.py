@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.errors import ParameterError
-from nvcore.params import SETTINGS, Params
-from nvcore.settings import OperatingPoint, operating_point
-from nvcore.stages import THRESHOLD, Setting
+from nvcore.common.errors import ParameterError
+from nvcore.settings.defaults import OperatingPoint, operating_point
+from nvcore.settings.params import SETTINGS, Params
+from nvcore.settings.stages import THRESHOLD, Setting
 
 PLACE: Final = ("x", "y", "tags", "point", "recording", "frame")
 """Entries of an address besides the parameters: the frame, and systems, tags and operating point if

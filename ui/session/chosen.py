@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from ui.session import state, store
 from ui.session.address import is_whole_number
 

@@ -33,7 +33,7 @@ from typing import TYPE_CHECKING, Final
 
 from filelock import FileLock, Timeout
 
-from nvcore.output.private import make_private
+from nvcore.common.output.private import make_private
 from ui.settings.limits import limits_of_environment
 from ui.streamlit_inside.sessions import close_session, is_connected, running_session
 

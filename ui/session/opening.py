@@ -16,12 +16,12 @@ from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
 from typing import Final, TypeVar
 
+from nvcore.common.errors import InputError, SessionError
+from nvcore.common.file_kinds import composed
+from nvcore.common.findings import Finding
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, SessionError
-from nvcore.file_kinds import composed
-from nvcore.findings import Finding
 from nvcore.inputs.facts import FRAME_RANGE, is_frame_range, with_paths_in
-from nvcore.inputs.files import NAME_PARTS
+from nvcore.inputs.files.find import NAME_PARTS
 from nvcore.inputs.session import (
     TABLES_OF_SUBJECTS,
     RecordingEntry,

@@ -11,14 +11,14 @@ from typing import Any, Final
 
 import numpy as np
 
-from nvcore.columns import BoxColumns
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.comparison.scoring import weigh_misses
+from nvcore.dataset.columns import BoxColumns
+from nvcore.dataset.schema import DetectionState, TruthState
 from nvcore.metrics.matching import match_system
 from nvcore.metrics.proximity import in_use
-from nvcore.params import Params
-from nvcore.schema import DetectionState, TruthState
-from nvcore.scoring import weigh_misses
-from nvcore.stages import DISTANCES, ENCOUNTERS, SEVERITY
+from nvcore.settings.params import Params
+from nvcore.settings.stages import DISTANCES, ENCOUNTERS, SEVERITY
 from nvcore.tables.boxes.states import TruthBoxes, gather_boxes
 
 SOURCE_TRUTH: Final = 0

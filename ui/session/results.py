@@ -7,16 +7,16 @@ import streamlit as st
 
 from nvcore.auditing import audit_in_parts
 from nvcore.auditing.pictures import audit_pictures
-from nvcore.comparison import Result
+from nvcore.common.findings import Finding, worst_first
+from nvcore.comparison.compare import Result
 from nvcore.dataset import Dataset
 from nvcore.evidence.measures import Evidence, Judged
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import Units, find_units
-from nvcore.findings import Finding, worst_first
-from nvcore.params import Params
-from nvcore.protocols import Protocol
-from nvcore.stages import MATCH
+from nvcore.settings.params import Params
+from nvcore.settings.protocols import Protocol
+from nvcore.settings.stages import MATCH
 from ui.session import state
 from ui.session.state import Cached
 

@@ -33,9 +33,9 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, RedirectResponse, Response
 from starlette.routing import Route
 
-from nvcore.comparison import Result
-from nvcore.errors import MediaError
-from nvcore.overlay.explain import explain_boxes
+from nvcore.common.errors import MediaError
+from nvcore.comparison.compare import Result
+from nvcore.figures.overlay.explain import explain_boxes
 from nvcore.pictures.base import Picture
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg, stretch
@@ -46,7 +46,7 @@ from ui.session.packed_comparison import can_pack, pack_boxes, pack_comparison, 
 from ui.session.uploads import UploadError, receive
 from ui.session.workspace import PICTURES, Workspace, workspace_of
 from ui.settings.start import base_path
-from ui.subjects import contributed
+from ui.subject import contributed
 
 Answer = Callable[[Request], Awaitable[Response]]
 Handler = Callable[[Request, Workspace], Awaitable[Response]]

@@ -17,7 +17,7 @@ from typing import Any, Final, TypeVar
 
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
 from nvcore.pictures.recordings import RecordingPictures, Source, session_pictures
 from ui.session.workspace import Caching, Opened, Workspace
 

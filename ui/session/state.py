@@ -13,18 +13,18 @@ import numpy as np
 import streamlit as st
 
 from nvcore import notes
-from nvcore.comparison import Result, compare
+from nvcore.common.palette import Scheme, Shade, scheme_for
+from nvcore.comparison.compare import Result, compare
 from nvcore.dataset import Dataset
-from nvcore.detection.operating_point import span_of_scores
 from nvcore.evidence.operating_points import at_operating_point
-from nvcore.inputs.changes import live_session as with_live
 from nvcore.inputs.session import Session
+from nvcore.inputs.session.changes import live_session as with_live
+from nvcore.metrics.detection.operating_point import span_of_scores
 from nvcore.notes import Note
-from nvcore.palette import Scheme, Shade, scheme_for
-from nvcore.params import SETTINGS, Params
-from nvcore.protocols import Protocol
-from nvcore.settings import OperatingPoint
-from nvcore.stages import SALIENT, THRESHOLD
+from nvcore.settings.defaults import OperatingPoint
+from nvcore.settings.params import SETTINGS, Params
+from nvcore.settings.protocols import Protocol
+from nvcore.settings.stages import SALIENT, THRESHOLD
 from ui.access.people import is_same
 from ui.session import address, store
 from ui.session.address import PLACE
@@ -334,7 +334,7 @@ def theme() -> Scheme:
 
 
 def say(text: str | Note, /, **values: object) -> str:
-    """Render a note, or a template as in `nvcore.objects.Objects.say`, for the open objects."""
+    """Render a note or template (see `nvcore.settings.objects.Objects.say`) for the objects."""
     objects = opened().dataset.objects
     return objects.say(text, **values) if isinstance(text, str) else notes.say(text, objects)
 

@@ -17,15 +17,15 @@ import streamlit as st
 if TYPE_CHECKING:
     import pandas as pd
 
-    from nvcore.driver.comparison.judging import DriverRegion
-    from nvcore.params import Params
-    from nvcore.settings import OperatingPoint
-    from ui.data.form_session import Chosen, Purpose
-    from ui.data.opening import Trouble
-    from ui.detectors.trial import Levels
+    from nvcore.settings.defaults import OperatingPoint
+    from nvcore.settings.params import Params
+    from nvcore.subjects.driver.comparison.judging import DriverRegion
     from ui.session.workspace import Caching, Workspace
     from ui.shell.operating_point import Move
     from ui.shell.review import ListKey, Review
+    from ui.subjects.detectors.trial import Levels
+    from ui.views.data.form_session import Chosen, Purpose
+    from ui.views.data.opening import Trouble
     from ui.widgets.drawing import Look
 
 T = TypeVar("T")

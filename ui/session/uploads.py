@@ -27,7 +27,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
 from streamlit.typing import UploadedFile
 
-from nvcore.errors import InputError, MediaError, NvcoreError
+from nvcore.common.errors import InputError, MediaError, NvcoreError
 from nvcore.pictures.archive import Archive, ArchiveLimits
 from ui.access.files import free_name, safe_name
 from ui.session.workspace import PICTURES, Kind, Stored, Workspace, used_by_all

@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple, TypeVar
 import numpy as np
 from anyio import CapacityLimiter
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.dataset import Dataset
 from nvcore.inputs.session import Session
-from nvcore.params import Params
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.recordings import RecordingPictures
+from nvcore.settings.params import Params
 from ui.access.people import owner_of_session
 from ui.confined.pictures import PictureProcess
 from ui.confined.process import MODELS, Process

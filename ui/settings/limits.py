@@ -8,8 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-from nvcore.errors import InputError
-from nvcore.memory import free_bytes
+from nvcore.common.errors import InputError
+from nvcore.common.memory import free_bytes
 
 MEBI: Final = 1 << 20
 PREFIX: Final = "NVCORE_"
@@ -57,7 +57,7 @@ class Limits:
         Parameters
         ----------
         system
-            Root of the system whose memory counts (see `nvcore.memory.free_bytes`).
+            Root of the system whose memory counts (see `nvcore.common.memory.free_bytes`).
         """
         if self.max_uploads_mb is not None:
             return self.max_uploads_mb * MEBI

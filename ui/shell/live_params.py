@@ -7,10 +7,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from nvcore.errors import ParameterError
+from nvcore.common.errors import ParameterError
 from nvcore.metrics.proximity import in_use
-from nvcore.params import SETTINGS, Params
-from nvcore.stages import THRESHOLD, Setting
+from nvcore.settings.params import SETTINGS, Params
+from nvcore.settings.stages import THRESHOLD, Setting
 from ui.session import settings, state, store
 
 KEPT_NUMBERS: Final = 1e-9

@@ -11,13 +11,13 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.comparison import Result
-from nvcore.errors import NvcoreError
+from nvcore.common.errors import NvcoreError
+from nvcore.common.findings import Severity
+from nvcore.comparison.compare import Result
 from nvcore.evidence.operating_points import SETTLED, can_be_equal, moved_of, point_note
-from nvcore.findings import Severity
 from nvcore.notes import Note
 from nvcore.notes.caveats import caveats
-from nvcore.settings import OperatingPoint
+from nvcore.settings.defaults import OperatingPoint
 from ui.access import files
 from ui.session import state, store
 from ui.session.opening import public_text

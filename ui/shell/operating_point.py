@@ -8,16 +8,16 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.comparison import Result
-from nvcore.detection.operating_point import (
+from nvcore.common.wording import number
+from nvcore.comparison.compare import Result
+from nvcore.metrics.detection.operating_point import (
     OperatingPoint,
     alarms_at_rate,
     point_of_matches,
     threshold_with_alarms,
 )
-from nvcore.params import Params
-from nvcore.stages import MATCH, THRESHOLD
-from nvcore.wording import number
+from nvcore.settings.params import Params
+from nvcore.settings.stages import MATCH, THRESHOLD
 from ui.session import state, store
 from ui.widgets.text import plain
 

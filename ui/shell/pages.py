@@ -7,7 +7,9 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.stages import (
+from nvcore.common.subject import contributed as results_of_subjects
+from nvcore.common.subject import in_place
+from nvcore.settings.stages import (
     ENCOUNTERS,
     EVENTS,
     LOW,
@@ -17,12 +19,10 @@ from nvcore.stages import (
     SEVERITY,
     SIMILARITY,
 )
-from nvcore.subjects import contributed as results_of_subjects
-from nvcore.subjects import in_place
 from ui.session import state
 from ui.shell.navigate import PAGES
 from ui.streamlit_inside.types import StreamlitPage
-from ui.subjects import Page, contributed
+from ui.subject import Page, contributed
 
 _ADDED: Final = tuple(chain(*results_of_subjects("results")))
 """Stages whose results the subjects add to the pages about moments and encounters."""

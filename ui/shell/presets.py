@@ -7,10 +7,10 @@ from typing import Any, Final
 
 import streamlit as st
 
-from nvcore.params import SETTINGS, Params
-from nvcore.params.presets import PRESETS, Preset, presets_for
-from nvcore.stages import THRESHOLD
-from nvcore.wording import count_text
+from nvcore.common.wording import count_text
+from nvcore.settings.params import SETTINGS, Params
+from nvcore.settings.params.presets import PRESETS, Preset, presets_for
+from nvcore.settings.stages import THRESHOLD
 from ui.session import settings, state, store
 from ui.shell import live_params
 

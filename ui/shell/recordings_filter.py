@@ -8,9 +8,9 @@ from typing import Final
 
 import streamlit as st
 
+from nvcore.common.errors import InputError
+from nvcore.common.wording import capitalised
 from nvcore.dataset import part_text
-from nvcore.errors import InputError
-from nvcore.wording import capitalised
 from ui.session import settings, state, store
 from ui.session.address import read_place
 from ui.widgets.text import plain

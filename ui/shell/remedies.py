@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from nvcore.findings import Remedy, RemedyTexts, Step, steps_text
-from nvcore.objects import PEDESTRIAN, Objects
-from nvcore.params import SETTINGS
+from nvcore.common.findings import Remedy, RemedyTexts, Step, steps_text
+from nvcore.settings.objects import PEDESTRIAN, Objects
+from nvcore.settings.params import SETTINGS
 
 _READING: Final = "under “How to read”"
 _RECORDINGS: Final = "of the recording in the table “Recordings”"
@@ -88,4 +88,4 @@ BUTTONS: Final = {
     Remedy.PICTURES: "Take {value}",
     Remedy.FIRST_PICTURE: "First picture shows frame {value}",
 }
-"""Labels of buttons for the fixes that `nvcore.inputs.changes.applied` can apply."""
+"""Labels of buttons for the fixes that `nvcore.inputs.session.changes.applied` can apply."""

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from nvcore.findings import TRUTH_NAME, Cases, Finding
+from nvcore.common.findings import TRUTH_NAME, Cases, Finding
+from nvcore.common.wording import capitalised
 from nvcore.tables.inputs import NO_ROW, entry_frames, finding_entries
-from nvcore.wording import capitalised
 from ui.session import state, store
 
 ListKey = tuple[str, ...]

@@ -7,17 +7,17 @@ from typing import Any, Final
 
 import streamlit as st
 
-from nvcore.errors import ParameterError
+from nvcore.common.errors import ParameterError
+from nvcore.common.wording import capitalised
 from nvcore.evidence.operating_points import moved_of
 from nvcore.figures.inputs import proximity_plot
 from nvcore.figures.maps import cost_plot
-from nvcore.params import SETTINGS, settings_for
-from nvcore.params.traffic import count_contexts
-from nvcore.stages import MATCH, PROXIMITY, THRESHOLD, Setting
-from nvcore.wording import capitalised
+from nvcore.settings.params import SETTINGS, settings_for
+from nvcore.settings.params.traffic import count_contexts
+from nvcore.settings.stages import MATCH, PROXIMITY, THRESHOLD, Setting
 from ui.session import settings, state, store
 from ui.shell import live_params, operating_point, presets, recordings_filter
-from ui.subjects import Page
+from ui.subject import Page
 from ui.widgets.charts import draw_chart, kept_figure
 from ui.widgets.drawing import cost_map_of
 from ui.widgets.text import plain

@@ -6,7 +6,7 @@ from html import escape
 
 import streamlit as st
 
-from nvcore.wording import one_line, shortened
+from nvcore.common.wording import one_line, shortened
 from ui.session import state
 
 MAX_NAME = 24

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import streamlit as st
 
-from nvcore.wording import count_text
+from nvcore.common.wording import count_text
 from ui.session import state, store
 from ui.session.sample import shown_in
 from ui.session.uploads import remove_pictures

@@ -8,8 +8,8 @@ from typing import Any, Final, Literal, TypeVar
 import pandas as pd
 import streamlit as st
 
-from nvcore.errors import InputError
-from nvcore.output.csv_text import to_csv_bytes
+from nvcore.common.errors import InputError
+from nvcore.common.output.csv_text import to_csv_bytes
 from ui.session import store
 from ui.session.store import Entry
 from ui.settings.limits import MEBI

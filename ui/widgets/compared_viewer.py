@@ -8,12 +8,12 @@ import numpy as np
 import pandas as pd
 import streamlit as st
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.tables.boxes.states import gather_boxes
 from nvcore.tables.moments import next_misses
 from ui.session import state, store
 from ui.session.chosen import choose_encounter, chosen_encounter
-from ui.subjects import contributed
+from ui.subject import contributed
 from ui.widgets import drawing
 from ui.widgets.drawing import (
     Look,

@@ -10,16 +10,16 @@ from typing import Any, Final, Literal, NamedTuple
 import numpy as np
 import streamlit as st
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.figures.overlay.annotate import LAYERS, annotate
 from nvcore.metrics.cost_map import CostMap, map_cost
 from nvcore.metrics.proximity.borrowing import weighing_truth
-from nvcore.overlay.annotate import LAYERS, annotate
 from nvcore.pictures.base import Picture, PictureReader
 from nvcore.pictures.mapped import MappedPictures
 from nvcore.pictures.stretch import STRETCH
-from nvcore.stages import COST
+from nvcore.settings.stages import COST
 from ui.session import state, store
-from ui.subjects import contributed
+from ui.subject import contributed
 
 NAMES: Final = ("picture", "blend", "seen_s")
 """Address entries of a look."""

@@ -9,18 +9,11 @@ from dataclasses import dataclass
 from html import escape
 from typing import Final
 
-from nvcore.measures.entry import Better
-from nvcore.measures.table import measure_of
-from nvcore.params import SETTINGS
+from nvcore.common.wording import ARROWS, difference, minus, number, one_line, rounded_form
+from nvcore.comparison.measures.entry import Better
+from nvcore.comparison.measures.table import measure_of
+from nvcore.settings.params import SETTINGS
 from nvcore.tables.scorecard import ScoreRow
-from nvcore.wording import (
-    ARROWS,
-    difference,
-    minus,
-    number,
-    one_line,
-    rounded_form,
-)
 from ui.session import state
 
 MEANS_LITTLE: Final = " *"

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 import streamlit as st
 from streamlit.typing import UploadedFile
 
-from nvcore.errors import InputError, NvcoreError
+from nvcore.common.errors import InputError, NvcoreError
 from ui.access.files import LocalRoot, local_root
 from ui.session import state, store
 from ui.session.uploads import store_model

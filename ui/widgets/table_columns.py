@@ -7,12 +7,12 @@ from typing import Final
 import pandas as pd
 from pandas.api.types import is_bool_dtype
 
+from nvcore.dataset.schema import CATEGORY_WORDS as WORDS
 from nvcore.figures.encounters import CLASS_WORDS
-from nvcore.schema import CATEGORY_WORDS as WORDS
 from nvcore.tables.column import CellKind, Column
 from nvcore.tables.columns import report_columns
 from ui.session import state
-from ui.subjects import ColumnLook, contributed
+from ui.subject import ColumnLook, contributed
 from ui.widgets.table import TableColumn
 
 CATEGORY_WORDS: Final = {kind.value: text for kind, text in WORDS.items()}

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from nvcore.comparison import Result
-from nvcore.wording import UNDEFINED, markdown_text, number, one_line, shortened
+from nvcore.common.wording import UNDEFINED, markdown_text, number, one_line, shortened
+from nvcore.comparison.compare import Result
 
 __all__ = ["UNDEFINED", "docs_link", "number", "plain", "short_names"]
 

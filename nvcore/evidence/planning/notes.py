@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
+from nvcore.common.wording import difference
+from nvcore.comparison.measures.table import evidence_form
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.planning.pilot import MIN_PILOT
 from nvcore.evidence.units import WHOLE
-from nvcore.measures.table import evidence_form
 from nvcore.notes import Note
-from nvcore.wording import difference
 
 if TYPE_CHECKING:
     from nvcore.evidence.planning.plan import Assumption, NonInferiority, Plan, PlanSize

@@ -7,9 +7,9 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.comparison import Result
-from nvcore.detection.filtered_truth import filter_truth
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.table import EVIDENCE_KEYS, inference_of, key_in
 from nvcore.evidence.bootstrap import ROUNDING
 from nvcore.evidence.companions import judge_keys
 from nvcore.evidence.measures import Evidence, UnitMeasure, unit_measures
@@ -17,8 +17,8 @@ from nvcore.evidence.miss_rate import NEEDED, judge_miss_rate, log_average_miss_
 from nvcore.evidence.paired_tests import MIN_SWAPPED
 from nvcore.evidence.planning.thresholds import Thresholds
 from nvcore.evidence.units import WHOLE, Units, find_units, sum_units, units_within
-from nvcore.measures.table import EVIDENCE_KEYS, inference_of, key_in
-from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.metrics.detection.filtered_truth import filter_truth
+from nvcore.settings.protocols import PROTOCOLS, Protocol
 
 MIN_PILOT: Final = MIN_SWAPPED
 """Fewest recordings to plan from. With fewer, there is no test of recordings, either."""

@@ -12,9 +12,12 @@ import numpy as np
 import pandas as pd
 import scipy
 
-from nvcore.arguments.plan import PlanArguments, Side
-from nvcore.comparison import Result
-from nvcore.errors import ParameterError
+from nvcore.common.arguments.plan import PlanArguments, Side
+from nvcore.common.errors import ParameterError
+from nvcore.common.progress import Progress, no_progress, part_of
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import Better
+from nvcore.comparison.measures.table import inference_of
 from nvcore.evidence.bootstrap import MIN_UNITS
 from nvcore.evidence.measures import Evidence, primary_of
 from nvcore.evidence.operating_points import is_undecided
@@ -32,12 +35,9 @@ from nvcore.evidence.planning.power import (
 )
 from nvcore.evidence.planning.thresholds import Thresholds, vary_thresholds
 from nvcore.evidence.units import WHOLE, Units, find_units
-from nvcore.measures.entry import Better
-from nvcore.measures.table import inference_of
 from nvcore.notes import say
-from nvcore.objects import PEDESTRIAN
-from nvcore.progress import Progress, no_progress, part_of
-from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.settings.protocols import PROTOCOLS, Protocol
 
 ONE_SIDED: Final = 0.025
 """Level at which the 95 % interval shows non-inferiority."""

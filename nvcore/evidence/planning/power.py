@@ -9,12 +9,12 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import scipy
 
+from nvcore.common.progress import Progress, no_progress
 from nvcore.evidence.bootstrap import CONFIDENCE, LEAST_SPREAD, ROUNDING, SEED
 from nvcore.evidence.paired_tests import MIN_SWAPPED
 from nvcore.evidence.planning.pilot import Pilot
 from nvcore.evidence.planning.thresholds import parts_at_equal_alarms
 from nvcore.metrics.shares import share_of
-from nvcore.progress import Progress, no_progress
 
 N_STUDIES: Final = 300
 """Number of studies simulated at each intermediate size."""

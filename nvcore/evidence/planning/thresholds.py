@@ -8,8 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.comparison import Result
-from nvcore.detection.operating_point import are_unequal_alarms
+from nvcore.comparison.compare import Result
 from nvcore.evidence.companions import MOST_ERROR
 from nvcore.evidence.measures import unit_measures
 from nvcore.evidence.operating_points import (
@@ -19,6 +18,7 @@ from nvcore.evidence.operating_points import (
     with_thresholds,
 )
 from nvcore.evidence.units import Units
+from nvcore.metrics.detection.operating_point import are_unequal_alarms
 
 N_THRESHOLDS: Final = 24
 REACH: Final = 8.0

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from nvcore.errors import UnknownFormatError
-from nvcore.file_kinds import binary_kind
-from nvcore.findings import Remedy, Step
+from nvcore.common.errors import UnknownFormatError
+from nvcore.common.file_kinds import binary_kind
+from nvcore.common.findings import Remedy, Step
+from nvcore.common.wording import did_you_mean
 from nvcore.inputs.readers.base import (
     Format,
     Reading,
@@ -21,7 +22,7 @@ from nvcore.inputs.readers.caltech import BBGT, KAIST_RESULTS
 from nvcore.inputs.readers.coco.results import FORMAT as COCO_RESULTS
 from nvcore.inputs.readers.coco.truth import FORMAT as COCO
 from nvcore.inputs.readers.csv import FORMAT as PLAIN_CSV
-from nvcore.inputs.readers.csv_columns import read_header
+from nvcore.inputs.readers.csv.columns import read_header
 from nvcore.inputs.readers.cvat.images import FORMAT as CVAT_IMAGES
 from nvcore.inputs.readers.cvat.video import FORMAT as CVAT_VIDEO
 from nvcore.inputs.readers.gtsdb import FORMAT as GTSDB
@@ -34,7 +35,6 @@ from nvcore.inputs.readers.parse.unknown import describe_foreign, foreign_format
 from nvcore.inputs.readers.visdrone import FORMAT as VISDRONE
 from nvcore.inputs.readers.voc import FORMAT as VOC
 from nvcore.inputs.readers.yolo import FORMAT as YOLO
-from nvcore.wording import did_you_mean
 
 FORMATS: Final[tuple[Format, ...]] = (
     CVAT_VIDEO,

@@ -14,14 +14,14 @@ import numpy as np
 import pandas as pd
 from pandas.api.types import union_categoricals
 
+from nvcore.common.errors import FormatError, InputError
+from nvcore.common.file_kinds import PACKED_HEAD_BYTES, packed_by
+from nvcore.common.findings import Finding, Severity, Step
+from nvcore.dataset.schema import READING_DTYPES, conform
 from nvcore.dataset.sources import LeftOut as LeftOut
-from nvcore.errors import FormatError, InputError
-from nvcore.file_kinds import PACKED_HEAD_BYTES, packed_by
-from nvcore.findings import Finding, Severity, Step
-from nvcore.inputs.packed import Unpacking
-from nvcore.inputs.pipes import open_stored
-from nvcore.objects import PEDESTRIAN, Objects
-from nvcore.schema import READING_DTYPES, conform
+from nvcore.inputs.files.packed import Unpacking
+from nvcore.inputs.files.pipes import open_stored
+from nvcore.settings.objects import PEDESTRIAN, Objects
 
 Role = Literal["truth", "detections"]
 Numbering = Literal["coco", "list", "mot"]

@@ -14,9 +14,9 @@ from pathlib import PurePosixPath
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import InputError, MissingFactError
-from nvcore.file_kinds import unpacked_name
-from nvcore.findings import Severity
+from nvcore.common.errors import InputError, MissingFactError
+from nvcore.common.file_kinds import unpacked_name
+from nvcore.common.findings import Severity
 from nvcore.inputs.readers.base import (
     Format,
     Reading,

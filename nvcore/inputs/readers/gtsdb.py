@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import InputError
-from nvcore.findings import Remedy, Step
+from nvcore.common.errors import InputError
+from nvcore.common.findings import Remedy, Step
 from nvcore.inputs.readers.base import (
     Format,
     Lines,

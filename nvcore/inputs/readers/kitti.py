@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from nvcore.dataset.schema import NO_TRACK
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,
@@ -40,7 +41,6 @@ from nvcore.inputs.readers.parse.text import (
     whole_numbers,
 )
 from nvcore.inputs.readers.parse.unknown import foreign_format
-from nvcore.schema import NO_TRACK
 
 FIELDS = "type truncated occluded alpha left top right bottom h w l X Y Z ry [score]"
 OBJECT = TextLayout((15, 16), FIELDS, delimiter=" ", label_at=0)

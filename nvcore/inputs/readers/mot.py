@@ -8,7 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from nvcore.findings import Finding, Remedy, Severity, Step
+from nvcore.common.findings import Finding, Remedy, Severity, Step
+from nvcore.dataset.schema import NO_TRACK
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,
@@ -45,7 +46,6 @@ from nvcore.inputs.readers.parse.rows import FilePart, choice_of_rows, joined_pa
 from nvcore.inputs.readers.parse.text import NumberTable, TextLayout, read_numbers, whole_numbers
 from nvcore.inputs.readers.visdrone import NAMES as VISDRONE
 from nvcore.inputs.readers.visdrone import are_visdrones
-from nvcore.schema import NO_TRACK
 
 LAYOUT = TextLayout((7, 8, 9, 10), "frame,id,left,top,width,height,conf,...", whole=(0, 1))
 BLANKS = replace(LAYOUT, delimiter=" ")

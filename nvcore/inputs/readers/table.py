@@ -12,15 +12,15 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import FormatError
-from nvcore.findings import Finding
+from nvcore.common.errors import FormatError
+from nvcore.common.findings import Finding
+from nvcore.common.wording import shortened
+from nvcore.dataset.schema import BOX_DTYPES, TABLE_ENDING, categories_of
 from nvcore.inputs.readers.base import BOTH_ROLES, Format, Reading, ReadOptions, SourceFile
 from nvcore.inputs.readers.csv import NamedColumns, missing_columns, read_named_columns
-from nvcore.inputs.readers.csv_columns import FALSE, MISSING, NUMBERS, TRUE, Header, header_of
+from nvcore.inputs.readers.csv.columns import FALSE, MISSING, NUMBERS, TRUE, Header, header_of
 from nvcore.inputs.readers.meaning.names import LEAST_TIME
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
-from nvcore.schema import BOX_DTYPES, TABLE_ENDING, categories_of
-from nvcore.wording import shortened
 
 ONLY_RECORDING: Final = "recording"
 """Name of the recording of a truth table without recording names."""
@@ -90,7 +90,7 @@ def parse_columns(
     header: Header,
     names: Sequence[str],
 ) -> tuple[pd.DataFrame, np.ndarray, bool]:
-    """Convert columns like `nvcore.inputs.readers.csv_columns.read_columns`.
+    """Convert columns like `nvcore.inputs.readers.csv.columns.read_columns`.
 
     Raises
     ------

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.findings import Remedy, Step
+from nvcore.common.findings import Remedy, Step
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,

@@ -10,8 +10,10 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.errors import FormatError, InputError, MissingFactError
-from nvcore.findings import Finding
+from nvcore.common.errors import FormatError, InputError, MissingFactError
+from nvcore.common.findings import Finding
+from nvcore.common.wording import shortened
+from nvcore.dataset.schema import NO_TRACK
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,
@@ -44,8 +46,6 @@ from nvcore.inputs.readers.parse.text import (
     stacked,
     whole_numbers,
 )
-from nvcore.schema import NO_TRACK
-from nvcore.wording import shortened
 
 LAYOUT = TextLayout((5, 6, 7), "class x y width height [confidence]", delimiter=" ")
 MAX_SHARE: Final = 2.0

@@ -13,16 +13,16 @@ import pandas as pd
 import pyarrow as pa
 import tomli_w
 
-from nvcore.errors import InputError, UnknownFormatError
-from nvcore.file_kinds import suffix_of
-from nvcore.findings import Remedy, Step
+from nvcore.common.errors import InputError, UnknownFormatError
+from nvcore.common.file_kinds import suffix_of
+from nvcore.common.findings import Remedy, Step
+from nvcore.common.output.csv_text import to_csv_bytes
+from nvcore.common.output.files import write_whole
+from nvcore.common.output.parquet import to_parquet_bytes
+from nvcore.dataset.schema import NO_TRACK, UNKNOWN_OCCLUSION
 from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.writers.coco import attribute_texts, class_names, coco_bytes
-from nvcore.objects import PEDESTRIAN, Objects
-from nvcore.output.csv_text import to_csv_bytes
-from nvcore.output.files import write_whole
-from nvcore.output.parquet import to_parquet_bytes
-from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
+from nvcore.settings.objects import PEDESTRIAN, Objects
 
 _CODECS: Final = {".gz": "gzip", ".bz2": "bz2", ".zst": "zstd"}
 FORMATS: Final = ("csv", "parquet", "coco", "mot")

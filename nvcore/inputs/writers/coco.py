@@ -8,12 +8,12 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import InputError
-from nvcore.findings import Remedy, Step
+from nvcore.common.errors import InputError
+from nvcore.common.findings import Remedy, Step
+from nvcore.dataset.schema import NO_LABEL, NO_TRACK, UNKNOWN_OCCLUSION
 from nvcore.inputs.evaluated_frames import own_frames
 from nvcore.inputs.readers.base import Reading, Role, image_list
-from nvcore.objects import Objects
-from nvcore.schema import NO_LABEL, NO_TRACK, UNKNOWN_OCCLUSION
+from nvcore.settings.objects import Objects
 
 PERSON = "person"
 """COCO's name for pedestrians."""

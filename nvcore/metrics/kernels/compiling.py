@@ -16,7 +16,7 @@ from typing import Any
 
 from numba import config, njit
 
-from nvcore.output.private import make_private
+from nvcore.common.output.private import make_private
 
 
 def compiler() -> Callable[[Callable[..., Any]], Any]:

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from nvcore.dataset.schema import DetectionState
 from nvcore.metrics.kernels import ABSORB_SHARE, border, centre, compiled, intersection
-from nvcore.schema import DetectionState
 
 
 @compiled

@@ -8,11 +8,11 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.columns import BoxColumns, FrameColumns
-from nvcore.errors import ParameterError
-from nvcore.findings import Remedy, Step
-from nvcore.params import SETTINGS, Params
-from nvcore.params.traffic import UNSTATED
+from nvcore.common.errors import ParameterError
+from nvcore.common.findings import Remedy, Step
+from nvcore.dataset.columns import BoxColumns, FrameColumns
+from nvcore.settings.params import SETTINGS, Params
+from nvcore.settings.params.traffic import UNSTATED
 
 BLOCK: Final = 262_144
 """Boxes weighed at a time, which limits the memory of intermediate results. With smaller blocks the

@@ -11,12 +11,12 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.columns import BoxColumns
+from nvcore.common.wording import count_text, listed, percent
 from nvcore.dataset import Dataset
+from nvcore.dataset.columns import BoxColumns
 from nvcore.metrics.encounters import Encounters, encounters_of
 from nvcore.metrics.matching import match_boxes
-from nvcore.params import Params
-from nvcore.wording import count_text, listed, percent
+from nvcore.settings.params import Params
 
 LONGEST_GAP_S: Final = 2.0
 """Largest time between two known distances of a pedestrian for interpolating between them."""

@@ -12,10 +12,10 @@ from typing import Final
 import numpy as np
 import scipy
 
+from nvcore.common.wording import minus
 from nvcore.dataset import Dataset
+from nvcore.dataset.schema import EDGE_PX
 from nvcore.metrics.encounters import encounters_of
-from nvcore.schema import EDGE_PX
-from nvcore.wording import minus
 
 LEAST_BOXES: Final = 30
 LEAST_PEDESTRIANS: Final = 3

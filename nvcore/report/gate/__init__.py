@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from nvcore.comparison import Result
-from nvcore.findings import Finding
+from nvcore.common.findings import Finding
+from nvcore.comparison.compare import Result
 from nvcore.report.gate.details import explain
 from nvcore.report.gate.measures import gate_measures
 from nvcore.report.gate.outcomes import RuleOutcome, judge

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.notes import Note
 
 

@@ -8,10 +8,13 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.comparison import Result
+from nvcore.common.findings import Finding
+from nvcore.common.subject import contributed
+from nvcore.common.wording import LEAST_HOURLY_S, duration_text
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.table import hides_rate
+from nvcore.dataset.schema import Category
 from nvcore.evidence.operating_points import alarms_as_set, is_undecided
-from nvcore.findings import Finding
-from nvcore.measures.table import hides_rate
 from nvcore.notes import Note, phrase, say
 from nvcore.report.gate.added import RulesOf
 from nvcore.report.gate.measures import (
@@ -23,9 +26,6 @@ from nvcore.report.gate.measures import (
 )
 from nvcore.report.gate.outcomes import RuleOutcome
 from nvcore.report.gate.rules import class_in
-from nvcore.schema import Category
-from nvcore.subjects import contributed
-from nvcore.wording import LEAST_HOURLY_S, duration_text
 
 MAX_LISTED: Final = 10
 

@@ -10,26 +10,26 @@ from typing import Any, Final, get_args
 import numpy as np
 import pandas as pd
 
-from nvcore.arguments.plan import Side
-from nvcore.comparison import Result
-from nvcore.detection.curve_summary import summarise_curve
-from nvcore.detection.curves import detection_curve
+from nvcore.common.arguments.plan import Side
+from nvcore.common.findings import Finding, Severity
+from nvcore.common.subject import contributed
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import is_met
+from nvcore.comparison.measures.table import MEASURES, is_usable, measure_of
+from nvcore.dataset.schema import Category
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.measures import evidence_of
 from nvcore.evidence.operating_points import is_undecided
 from nvcore.evidence.planning import PLAN_KEYS, judge_key, worse_at_most
 from nvcore.evidence.table import judge_both
 from nvcore.evidence.units import find_units
-from nvcore.findings import Finding, Severity
-from nvcore.measures.entry import is_met
-from nvcore.measures.table import MEASURES, is_usable, measure_of
+from nvcore.metrics.detection.curve_summary import summarise_curve
+from nvcore.metrics.detection.curves import detection_curve
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import Venn, count_categories
-from nvcore.protocols import Protocol
 from nvcore.report.gate.rules import OF_CLASSES, class_in
 from nvcore.report.verdict import verdict
-from nvcore.schema import Category
-from nvcore.subjects import contributed
+from nvcore.settings.protocols import Protocol
 from nvcore.tables.column import CellKind, Column
 from nvcore.tables.summary import SYSTEM_KEYS, summary, summary_keys, system_summary
 
@@ -125,7 +125,7 @@ def gate_measures(
     of 95 % intervals against a system (`nvcore.evidence.planning.worse_at_most`). They are
     undefined if X and Y are set to different operating points, because the verdict claims nothing
     from these either. Measures that no rule can rest on are undefined as well
-    (`nvcore.measures.table.is_usable`, and additions of subjects).
+    (`nvcore.comparison.measures.table.is_usable`, and additions of subjects).
 
     Parameters
     ----------

@@ -7,8 +7,10 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 from xml.etree import ElementTree
 
-from nvcore.findings import Finding
-from nvcore.measures.table import MEASURES
+from nvcore.common.findings import Finding
+from nvcore.common.subject import contributed
+from nvcore.common.wording import markdown_text, one_line
+from nvcore.comparison.measures.table import MEASURES
 from nvcore.report.gate.measures import (
     COUNTED_CLAIMS,
     COUNTED_ENCOUNTERS,
@@ -17,8 +19,6 @@ from nvcore.report.gate.measures import (
 from nvcore.report.gate.outcomes import RuleOutcome, value_text
 from nvcore.report.gate.rules import Rule
 from nvcore.report.terminal import render_findings
-from nvcore.subjects import contributed
-from nvcore.wording import markdown_text, one_line
 
 JUNIT_HEAD: Final = b"<?xml version='1.0' encoding='utf-8'?>\n<testsuites name=\"nvcore gate\""
 MARKDOWN_HEAD: Final = b"## Gate: "

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Final
 
-from nvcore.errors import ParameterError
-from nvcore.wording import one_line
+from nvcore.common.errors import ParameterError
+from nvcore.common.wording import one_line
 
 COMPARISONS: Final[dict[str, Callable[[float, float], bool]]] = {
     "<=": operator.le,

@@ -14,16 +14,17 @@ from pathlib import Path
 from typing import Final
 
 from nvcore import __version__
-from nvcore.arguments.report import Inscription
-from nvcore.comparison import Result
-from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.common.arguments.report import Inscription
+from nvcore.common.findings import Finding
+from nvcore.common.output.files import write_whole
+from nvcore.common.progress import Progress, no_progress, part_of
+from nvcore.common.wording import UNDEFINED, one_line
+from nvcore.comparison.compare import Result
+from nvcore.evidence.stability.map import MAPS
+from nvcore.evidence.subgroups.table import subgroup_table
 from nvcore.evidence.table import judge_both
-from nvcore.findings import Finding
 from nvcore.inputs.session import Session
-from nvcore.output.files import write_whole
 from nvcore.pictures.recordings import RecordingPictures, session_pictures
-from nvcore.progress import Progress, no_progress, part_of
-from nvcore.protocols import Protocol
 from nvcore.report.decisive_moments import decisive_moments
 from nvcore.report.html.cover import cover_of
 from nvcore.report.html.frames import photo
@@ -36,11 +37,10 @@ from nvcore.report.sections import result_sections, with_cautions
 from nvcore.report.sections import results as on_results
 from nvcore.report.sections.encounters import only_one_section
 from nvcore.report.verdict import verdict
-from nvcore.settings import Settings
-from nvcore.stability.map import MAPS
+from nvcore.settings.defaults import Settings
+from nvcore.settings.protocols import Protocol
 from nvcore.tables.classes import has_classes
 from nvcore.tables.pictures import pictures_table
-from nvcore.wording import UNDEFINED, one_line
 
 __all__ = ["write_html_report"]
 

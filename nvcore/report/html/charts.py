@@ -16,11 +16,11 @@ import pandas as pd
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
+from nvcore.common.palette import Theme
+from nvcore.common.wording import difference, minus
+from nvcore.comparison.measures.table import evidence_form, inference_of
 from nvcore.figures.style import LOOK, ChartLook, plain, take_heading, which_is_which, write
-from nvcore.measures.table import evidence_form, inference_of
-from nvcore.palette import Theme
 from nvcore.report.tiles import REACH
-from nvcore.wording import difference, minus
 
 INTERVAL_PX: Final = 56
 """Height of a measure's row with an interval."""

@@ -8,21 +8,21 @@ from typing import Final
 
 import pandas as pd
 
-from nvcore.arguments.report import Inscription
-from nvcore.comparison import Result
+from nvcore.common.arguments.report import Inscription
+from nvcore.common.subject import contributed
+from nvcore.common.wording import count_text, duration_text, one_line
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.table import count_recordings
 from nvcore.evidence.claims import values_of
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import alarms_as_set, are_unequal, point_note
 from nvcore.evidence.units import MIN_RECORDINGS
-from nvcore.measures.table import count_recordings
 from nvcore.notes import Note, phrase
-from nvcore.objects import Objects
 from nvcore.report.section import Photo
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import Verdict
 from nvcore.report.words import n_frames_text, sampling_note
-from nvcore.subjects import contributed
-from nvcore.wording import count_text, duration_text, one_line
+from nvcore.settings.objects import Objects
 
 N_PHOTOS: Final = 2
 

@@ -8,19 +8,19 @@ from typing import Any, Final
 import cv2
 import numpy as np
 
-from nvcore.comparison import Result
+from nvcore.common.wording import UNDEFINED, one_line
+from nvcore.comparison.compare import Result
+from nvcore.figures.overlay.annotate import drawn_boxes, frame_picture, inks_of
+from nvcore.figures.overlay.brush import Canvas, Inks
+from nvcore.figures.overlay.draw import canvas_size, draw_boxes
 from nvcore.metrics.proximity import in_use
 from nvcore.metrics.similarity import salient_detection
-from nvcore.overlay.annotate import drawn_boxes, frame_picture, inks_of
-from nvcore.overlay.brush import Canvas, Inks
-from nvcore.overlay.draw import canvas_size, draw_boxes
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg
 from nvcore.report.decisive_moments import Moment
 from nvcore.report.section import Photo, Table, table
 from nvcore.tables.frame import PEDESTRIAN_WORDS, frame_summary
 from nvcore.tables.moments import encounter_box
-from nvcore.wording import UNDEFINED, one_line
 
 WIDTH_PX: Final = 880
 SHOWN_PX: Final = 530

@@ -12,12 +12,12 @@ from typing import Any, Final
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from nvcore.common.wording import shortened
 from nvcore.figures.style import CONFIG
-from nvcore.objects import Objects
 from nvcore.pictures import picture_address
 from nvcore.report.html.charts import figure_json, heading_apart, packed_plotly
 from nvcore.report.section import Section, Table, charts_of, true_minus
-from nvcore.wording import shortened
+from nvcore.settings.objects import Objects
 
 TEMPLATES: Final = Path(__file__).parent / "templates"
 LONG_WORD: Final = 24

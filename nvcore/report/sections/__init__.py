@@ -7,7 +7,8 @@ from dataclasses import replace
 from itertools import chain
 from typing import Final
 
-from nvcore.comparison import Result
+from nvcore.common.subject import contributed
+from nvcore.comparison.compare import Result
 from nvcore.evidence.operating_points import alarms_as_set, are_unequal
 from nvcore.notes import Note
 from nvcore.report.section import Paragraphs, Section
@@ -17,7 +18,6 @@ from nvcore.report.sections.results import (
     saliency_section,
     similarity_section,
 )
-from nvcore.subjects import contributed
 
 __all__ = ["result_sections", "with_cautions"]
 

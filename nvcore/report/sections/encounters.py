@@ -9,11 +9,12 @@ import numpy as np
 import pandas as pd
 
 import nvcore
-from nvcore.codes import NO_CODE
-from nvcore.comparison import Result
-from nvcore.evidence.subgroup_table import judge_groups
+from nvcore.common.wording import UNDEFINED, Footnotes, capitalised, count_text, number
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import MeasureTable
+from nvcore.dataset.schema import CATEGORY_TEXT, CATEGORY_WORDS, MISS_CLASS_TEXT, Category
 from nvcore.evidence.subgroups import class_groups
-from nvcore.measures.entry import MeasureTable
+from nvcore.evidence.subgroups.table import judge_groups
 from nvcore.metrics.encounter_classes import (
     CHILD,
     CROSSING,
@@ -41,14 +42,13 @@ from nvcore.report.section import (
     table,
 )
 from nvcore.report.words import difference_cell, fusion_gains, interval_cell, lead, misses
-from nvcore.schema import CATEGORY_TEXT, CATEGORY_WORDS, MISS_CLASS_TEXT, Category
+from nvcore.settings.codes import NO_CODE
 from nvcore.tables.encounters.miss_classes import class_counts, fusion_table
 from nvcore.tables.encounters.severity import weighed_encounters
 from nvcore.tables.encounters.weightings import compare_weightings
 from nvcore.tables.moments import encounter_moments
 from nvcore.tables.result import encounters_table
 from nvcore.tables.scorecard import score_rows
-from nvcore.wording import UNDEFINED, Footnotes, capitalised, count_text, number
 
 SHARE: Final = "encounters_detected_by_unit"
 NO_INTERVAL: Final = (UNDEFINED, "")

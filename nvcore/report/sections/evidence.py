@@ -11,13 +11,21 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.arguments.plan import PlanArguments
-from nvcore.comparison import Result
-from nvcore.detection.curve_summary import CurveSummary, summarise_curve
-from nvcore.detection.curves import DetectionCurve, detection_curve
-from nvcore.detection.filtered_truth import filter_truth
-from nvcore.detection.miss_rate import explain_few
-from nvcore.errors import InputError
+from nvcore.common.arguments.plan import PlanArguments
+from nvcore.common.errors import InputError
+from nvcore.common.progress import Progress, no_progress, part_of
+from nvcore.common.wording import (
+    UNDEFINED,
+    capitalised,
+    difference,
+    duration_text,
+    number,
+    one_line,
+    percent,
+)
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.of_encounters import DETECTED
+from nvcore.comparison.measures.table import doubt_of, evidence_form, measure_of, repeated_by
 from nvcore.evidence.measures import evidence_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
@@ -25,15 +33,23 @@ from nvcore.evidence.planning.notes import QUESTION
 from nvcore.evidence.planning.pilot import MIN_PILOT, PLAN_KEYS
 from nvcore.evidence.planning.plan import Plan, plan_recordings
 from nvcore.evidence.planning.thresholds import vary_thresholds
+from nvcore.evidence.stability.notes import (
+    CRITERIA,
+    PLANES,
+    describe_chance,
+    describe_equal_alarms,
+    describe_stability,
+)
+from nvcore.evidence.stability.survey import SurveyRow, survey_stability, survey_table
 from nvcore.evidence.subgroups import ALL
 from nvcore.evidence.units import WHOLE, find_units
 from nvcore.figures import CurveKind, curve_plot, stability_map, subgroup_forest
 from nvcore.figures.dots import forest_in_words
-from nvcore.measures.of_encounters import DETECTED
-from nvcore.measures.table import doubt_of, evidence_form, measure_of, repeated_by
+from nvcore.metrics.detection.curve_summary import CurveSummary, summarise_curve
+from nvcore.metrics.detection.curves import DetectionCurve, detection_curve
+from nvcore.metrics.detection.filtered_truth import filter_truth
+from nvcore.metrics.detection.miss_rate import explain_few
 from nvcore.notes import Note
-from nvcore.progress import Progress, no_progress, part_of
-from nvcore.protocols import Protocol
 from nvcore.report.decisive_moments import APART_S, MOST
 from nvcore.report.section import (
     IN_THE_FILE,
@@ -62,24 +78,8 @@ from nvcore.report.sections.results import (
 )
 from nvcore.report.verdict import Verdict
 from nvcore.report.words import score_cells
-from nvcore.stability.notes import (
-    CRITERIA,
-    PLANES,
-    describe_chance,
-    describe_equal_alarms,
-    describe_stability,
-)
-from nvcore.stability.survey import SurveyRow, survey_stability, survey_table
+from nvcore.settings.protocols import Protocol
 from nvcore.tables.scorecard import curve_rows
-from nvcore.wording import (
-    UNDEFINED,
-    capitalised,
-    difference,
-    duration_text,
-    number,
-    one_line,
-    percent,
-)
 
 IN_SUBGROUPS: Final = "in subgroups.csv"
 CURVES: Final[dict[CurveKind, tuple[str, str]]] = {

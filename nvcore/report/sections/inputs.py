@@ -9,18 +9,19 @@ import numpy as np
 import pandas as pd
 
 from nvcore import __version__
-from nvcore.comparison import Result
+from nvcore.common.findings import Finding
+from nvcore.common.subject import contributed
+from nvcore.common.wording import UNDEFINED, capitalised, count_text
+from nvcore.comparison.compare import Result
 from nvcore.evidence.bootstrap import N_RESAMPLES, SEED
 from nvcore.evidence.units import MIN_RECORDINGS
-from nvcore.findings import Finding
 from nvcore.inputs.evaluated_frames import MIN_SAMPLED
-from nvcore.inputs.hashes import source_hashes
+from nvcore.inputs.files.hashes import source_hashes
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
 from nvcore.metrics.proximity import in_use
 from nvcore.notes import Note
-from nvcore.params import SETTINGS
 from nvcore.report.section import (
     Block,
     Cell,
@@ -34,9 +35,8 @@ from nvcore.report.section import (
     listing,
     true_minus,
 )
-from nvcore.subjects import contributed
+from nvcore.settings.params import SETTINGS
 from nvcore.tables.inputs import inputs_table, left_out_table
-from nvcore.wording import UNDEFINED, capitalised, count_text
 
 NOT_SET: Final = "not set"
 MOST_FILES: Final = 60

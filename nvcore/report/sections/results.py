@@ -9,14 +9,14 @@ import numpy as np
 import pandas as pd
 
 import nvcore
-from nvcore.comparison import Result
+from nvcore.common.wording import ARROWS, UNDEFINED, difference, interval_text, number
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import MeasureTable
+from nvcore.comparison.measures.table import as_shown, evidence_form
 from nvcore.evidence.bootstrap import INTERVAL_RULE
-from nvcore.measures.entry import MeasureTable
-from nvcore.measures.table import as_shown, evidence_form
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
 from nvcore.notes import Note
-from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE
 from nvcore.report.remarks import remarks_on
 from nvcore.report.section import (
     MAX_ROWS,
@@ -43,13 +43,13 @@ from nvcore.report.words import (
     score_cells,
     scorecard_cells,
 )
+from nvcore.settings.params import MIDPOINT_SHARE, SPREAD_SHARE
 from nvcore.tables.classes import classes_table, names_classes
 from nvcore.tables.influence import leads
 from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.result import recordings_table, worst_events, worst_intervals
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.windows import windows_table, worst_windows_note
-from nvcore.wording import ARROWS, UNDEFINED, difference, interval_text, number
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go

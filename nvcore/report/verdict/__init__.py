@@ -9,19 +9,19 @@ from typing import Final
 
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.common.findings import Finding, Severity
+from nvcore.common.subject import contributed, in_place
+from nvcore.common.wording import capitalised
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.table import as_shown
 from nvcore.evidence.claims import Basis, Claim, decided_on, find_claims
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import SETTLED
-from nvcore.findings import Finding, Severity
-from nvcore.measures.table import as_shown
 from nvcore.notes import Note, phrase, say
 from nvcore.notes.caveats import caveats
-from nvcore.objects import Objects
 from nvcore.report.verdict import points
 from nvcore.report.verdict.headline import headline
-from nvcore.subjects import contributed, in_place
-from nvcore.wording import capitalised
+from nvcore.settings.objects import Objects
 
 NO_COMPARISON: Final[Mapping[str, Note]] = {
     "same-boxes": Note("verdict.same_boxes"),

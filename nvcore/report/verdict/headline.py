@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.common.subject import contributed
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.table import evidence_form, measure_of, shown_as
 from nvcore.evidence.claims import Claim, Support, find_within, has_primary
 from nvcore.evidence.companions import Companions, is_unsure
 from nvcore.evidence.measures import primary_of
 from nvcore.evidence.operating_points import are_unequal, has_scores
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
-from nvcore.measures.table import evidence_form, measure_of, shown_as
 from nvcore.notes import Note
-from nvcore.subjects import contributed
 
 
 def headline(

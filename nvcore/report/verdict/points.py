@@ -8,7 +8,16 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.common.wording import duration_text, interval_text, number, one_line, shortened
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.table import (
+    evidence_form,
+    has_several_recordings,
+    measure_of,
+    shown_as,
+)
+from nvcore.comparison.measures.values import relevant_share
+from nvcore.dataset.schema import Category
 from nvcore.evidence.claims import (
     CLAIMED,
     Claim,
@@ -28,13 +37,9 @@ from nvcore.evidence.operating_points import (
     has_scores,
 )
 from nvcore.evidence.units import WHOLE
-from nvcore.measures.table import evidence_form, has_several_recordings, measure_of, shown_as
-from nvcore.measures.values import relevant_share
 from nvcore.notes import Note
-from nvcore.primary import DEFAULT
 from nvcore.report.words import every_nth
-from nvcore.schema import Category
-from nvcore.wording import duration_text, interval_text, number, one_line, shortened
+from nvcore.settings.primary import DEFAULT
 
 ENCOUNTERS: Final = "encounters_detected_by_unit"
 HALF: Final = 0.5
@@ -50,7 +55,7 @@ class QualityMeasure(NamedTuple):
     Attributes
     ----------
     key
-        Key in `nvcore.measures.table.MEASURES`.
+        Key in `nvcore.comparison.measures.table.MEASURES`.
     form, unit
         Format specification of the values, and what follows them.
     """

@@ -8,14 +8,11 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import BoxColumns
-from nvcore.comparison import Result
-from nvcore.metrics.encounters import RELEVANT_K
-from nvcore.metrics.matching import iou_of_pairs
-from nvcore.metrics.proximity import in_use
-from nvcore.metrics.similarity import border_of, miss_terms
-from nvcore.output.parquet import to_parquet_bytes
-from nvcore.schema import (
+from nvcore.common.output.parquet import to_parquet_bytes
+from nvcore.comparison.compare import Result
+from nvcore.comparison.scoring import SystemResult
+from nvcore.dataset.columns import BoxColumns
+from nvcore.dataset.schema import (
     NO_TRACK,
     UNKNOWN_OCCLUSION,
     DetectionState,
@@ -23,7 +20,10 @@ from nvcore.schema import (
     categories_of,
     integers_of,
 )
-from nvcore.scoring import SystemResult
+from nvcore.metrics.encounters import RELEVANT_K
+from nvcore.metrics.matching import iou_of_pairs
+from nvcore.metrics.proximity import in_use
+from nvcore.metrics.similarity import border_of, miss_terms
 from nvcore.tables.column import CellKind, Column
 
 MATCHES: Final = "matches.parquet"

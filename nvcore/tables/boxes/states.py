@@ -7,11 +7,11 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.columns import BoxColumns, FrameColumns
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.comparison.scoring import SystemResult
+from nvcore.dataset.columns import BoxColumns, FrameColumns
+from nvcore.dataset.schema import NO_TRACK, DetectionState, TruthState
 from nvcore.metrics.encounters import RELEVANT_K
-from nvcore.schema import NO_TRACK, DetectionState, TruthState
-from nvcore.scoring import SystemResult
 
 _LARGEST_TRACK: Final = 2**31 - 1
 

@@ -9,13 +9,12 @@ from dataclasses import replace
 from functools import cache
 from typing import Final
 
-from nvcore.measures.entry import NO_FRAMES, Measure
-from nvcore.measures.table import MEASURES
-from nvcore.tables.added import added_columns
+from nvcore.comparison.measures.entry import NO_FRAMES, Measure
+from nvcore.comparison.measures.table import MEASURES
 from nvcore.tables.classes import CLASS_COLUMNS
-from nvcore.tables.column import RECORDING, CellKind, Column, measure_column, of_both
+from nvcore.tables.column import RECORDING, CellKind, Column, added_columns, measure_column, of_both
 from nvcore.tables.columns.encounters import ENCOUNTER_COLUMNS
-from nvcore.tables.evidence_columns import SIGNIFICANCE_COLUMNS, SUBGROUP_COLUMNS
+from nvcore.tables.columns.evidence import SIGNIFICANCE_COLUMNS, SUBGROUP_COLUMNS
 
 
 def _measure_by_recording(measure: Measure) -> Column:

@@ -7,11 +7,11 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.comparison.scoring import SystemResult
+from nvcore.dataset.schema import MissClass
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import count_categories, measure_exclusivity
-from nvcore.schema import MissClass
-from nvcore.scoring import SystemResult
 
 FUSION_SYSTEMS: Final = ("x", "y", "x_or_y", "x_and_y")
 CLASS_COLUMNS: Final = (

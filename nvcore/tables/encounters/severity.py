@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
-from nvcore.schema import Category
+from nvcore.comparison.compare import Result
+from nvcore.dataset.schema import Category
 from nvcore.tables.moments import encounter_moments
 from nvcore.tables.result import encounters_table
 

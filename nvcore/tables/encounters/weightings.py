@@ -8,13 +8,13 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
+from nvcore.comparison.scoring import weigh_misses
 from nvcore.metrics.encounters import RELEVANT_K, find_encounters, judge_encounters
 from nvcore.metrics.proximity import in_use, weigh_proximity
 from nvcore.metrics.proximity.borrowing import weighing_truth
 from nvcore.metrics.severity import cost_of_miss, weigh_failures
-from nvcore.params import Params, Proximity
-from nvcore.scoring import weigh_misses
+from nvcore.settings.params import Params, Proximity
 
 KINDS: Final[tuple[Proximity, ...]] = ("height", "horizon", "distance")
 """Measures of how near a pedestrian is."""

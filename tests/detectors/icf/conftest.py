@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from nvcore.detectors.icf import IcfModel, IcfSettings, Scene, train
+from nvcore.subjects.detectors.icf import IcfModel, IcfSettings, Scene, train
 
 SETTINGS = IcfSettings(
     window_width=24,

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from nvcore.detectors.icf.boosting import bin_edges, boost
+from nvcore.subjects.detectors.icf.boosting import bin_edges, boost
 
 OBJECT, BACKGROUND = True, False
 

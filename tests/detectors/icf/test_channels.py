@@ -8,10 +8,12 @@ import cv2
 import numpy as np
 import pytest
 
-from nvcore.detectors.base import DetectorError
-from nvcore.detectors.classifier import to_grey
-from nvcore.detectors.icf import IcfSettings
-from nvcore.detectors.icf.channels import (
+from nvcore.pictures import stretch
+from nvcore.pictures.stretch import STRETCH
+from nvcore.subjects.detectors.base import DetectorError
+from nvcore.subjects.detectors.classifier import to_grey
+from nvcore.subjects.detectors.icf import IcfSettings
+from nvcore.subjects.detectors.icf.channels import (
     blurred,
     channel_planes,
     check_picture,
@@ -21,8 +23,6 @@ from nvcore.detectors.icf.channels import (
     plane_names,
     resized,
 )
-from nvcore.pictures import stretch
-from nvcore.pictures.stretch import STRETCH
 
 PLAIN = IcfSettings(blur=False)
 TO_XYZ = np.array(

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nvcore.detection import WindowGrid, scale_steps
-from nvcore.detectors.base import Detector, DetectorError
-from nvcore.detectors.candidates import candidates, counting, open_loosened
-from nvcore.detectors.icf import AS_IN_REPORT, IcfDetector, write_model
-from nvcore.detectors.icf.cascade import Calibration, calibrate, floors, lower, passes
-from nvcore.detectors.icf.channels import levels
-from nvcore.detectors.icf.displays import window_path
-from nvcore.detectors.registry import open_detector
+from nvcore.metrics.detection import WindowGrid, scale_steps
+from nvcore.subjects.detectors.base import Detector, DetectorError
+from nvcore.subjects.detectors.candidates import candidates, counting, open_loosened
+from nvcore.subjects.detectors.icf import AS_IN_REPORT, IcfDetector, write_model
+from nvcore.subjects.detectors.icf.cascade import Calibration, calibrate, floors, lower, passes
+from nvcore.subjects.detectors.icf.channels import levels
+from nvcore.subjects.detectors.icf.displays import window_path
+from nvcore.subjects.detectors.registry import open_detector
 
 SCALES_OF_HEADS = scale_steps(1.0, 2.4, 0.2)
 OF_SIGNS = (4415340, 1103840, 490593, 275959, 176614, 122648, 90109, 68989, 54510, 44153)

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nvcore.detectors.icf import IcfDetector
-from nvcore.detectors.icf.channels import channel_planes
-from nvcore.detectors.icf.displays import (
+from nvcore.common.errors import ParameterError
+from nvcore.subjects.detectors.icf import IcfDetector
+from nvcore.subjects.detectors.icf.channels import channel_planes
+from nvcore.subjects.detectors.icf.displays import (
     channels_of,
     coarse_map,
     computed_scale,
@@ -22,7 +23,6 @@ from nvcore.detectors.icf.displays import (
     window_of,
     window_path,
 )
-from nvcore.errors import ParameterError
 
 
 def test_the_picture_is_shown_before_and_after_each_step(model, drawn):

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nvcore.detectors.base import DetectorError
-from nvcore.detectors.icf import IcfSettings
-from nvcore.detectors.icf.channels import integral_images
-from nvcore.detectors.icf.features import corner_offsets, draw_features, values_at
+from nvcore.subjects.detectors.base import DetectorError
+from nvcore.subjects.detectors.icf import IcfSettings
+from nvcore.subjects.detectors.icf.channels import integral_images
+from nvcore.subjects.detectors.icf.features import corner_offsets, draw_features, values_at
 
 SETTINGS = IcfSettings(
     window_width=20, window_height=30, object_width=18.0, object_height=28.0, features=3000

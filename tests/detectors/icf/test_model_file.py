@@ -21,11 +21,11 @@ from damaged_models import (
 )
 
 from nvcore.dataset.provenance import TrainedOn
-from nvcore.detectors.base import DetectorError
-from nvcore.detectors.classifier import N_VALUES, Classifier
-from nvcore.detectors.icf import IcfDetector, read_model, write_model
-from nvcore.detectors.icf.model import from_bytes, to_bytes
-from nvcore.detectors.icf.regions import Band
+from nvcore.subjects.detectors.base import DetectorError
+from nvcore.subjects.detectors.classifier import N_VALUES, Classifier
+from nvcore.subjects.detectors.icf import IcfDetector, read_model, write_model
+from nvcore.subjects.detectors.icf.model import from_bytes, to_bytes
+from nvcore.subjects.detectors.icf.regions import Band
 
 
 def test_a_model_is_read_as_it_was_written(model, tmp_path, drawn):

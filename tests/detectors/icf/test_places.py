@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nvcore.detectors.icf import IcfDetector
-from nvcore.detectors.icf.regions import (
+from nvcore.common.errors import ParameterError
+from nvcore.subjects.detectors.icf import IcfDetector
+from nvcore.subjects.detectors.icf.regions import (
     EVERYWHERE,
     Band,
     in_polygon,
@@ -16,7 +17,6 @@ from nvcore.detectors.icf.regions import (
     learn_band,
     red_sums,
 )
-from nvcore.errors import ParameterError
 
 TRIANGLE = (0.0, 0.0, 1.0, 0.0, 0.0, 1.0)
 

@@ -8,9 +8,9 @@ from typing import get_args, get_type_hints
 
 import pytest
 
-from nvcore.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS, IcfSettings
-from nvcore.detectors.settings import facts_of
-from nvcore.errors import ParameterError
+from nvcore.common.errors import ParameterError
+from nvcore.subjects.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS, IcfSettings
+from nvcore.subjects.detectors.settings import facts_of
 
 
 @pytest.mark.parametrize("settings", [IcfSettings(), AS_IN_REPORT, SIGNS, PEDESTRIANS])

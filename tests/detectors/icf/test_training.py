@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from nvcore.dataset.provenance import TrainedOn
-from nvcore.detectors.base import DetectorError
-from nvcore.detectors.icf import IcfDetector, IcfSettings, Scene, train
-from nvcore.detectors.icf.channels import check_picture, levels, planes_of
-from nvcore.detectors.icf.features import draw_features
-from nvcore.detectors.icf.model import from_bytes, to_bytes
-from nvcore.detectors.icf.windows import (
+from nvcore.subjects.detectors.base import DetectorError
+from nvcore.subjects.detectors.icf import IcfDetector, IcfSettings, Scene, train
+from nvcore.subjects.detectors.icf.channels import check_picture, levels, planes_of
+from nvcore.subjects.detectors.icf.features import draw_features
+from nvcore.subjects.detectors.icf.model import from_bytes, to_bytes
+from nvcore.subjects.detectors.icf.windows import (
     is_background,
     level_values,
     object_windows,

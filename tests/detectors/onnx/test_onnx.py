@@ -14,8 +14,8 @@ from onnx import TensorProto, helper
 from onnx_models import blob_model, constant, external_model, fixed_model, save
 from places import ROOT
 
-from nvcore.detectors.base import DetectorError
-from nvcore.detectors.onnx import open_onnx
+from nvcore.subjects.detectors.base import DetectorError
+from nvcore.subjects.detectors.onnx import open_onnx
 
 
 def bright_at(x: int, y: int, *, width: int = 128, height: int = 64) -> np.ndarray:
@@ -134,7 +134,7 @@ def test_nothing_is_reported_to_the_maker_of_the_runtime(tmp_path: Path):
     path = blob_model(tmp_path / "blobs.onnx")
     code = (
         "import numpy as np\n"
-        "from nvcore.detectors.registry import open_detector\n"
+        "from nvcore.subjects.detectors.registry import open_detector\n"
         f"detector = open_detector({str(path)!r})\n"
         "detector.detect(np.zeros((64, 64), np.uint8))\n"
     )

@@ -13,9 +13,9 @@ import pytest
 from onnx import TensorProto, helper
 from onnx_models import constant, fixed_model
 
-from nvcore.detectors.base import DetectorError
-from nvcore.detectors.onnx import open_onnx
-from nvcore.detectors.onnx.layouts import PRESETS, cell_count, recognise
+from nvcore.subjects.detectors.base import DetectorError
+from nvcore.subjects.detectors.onnx import open_onnx
+from nvcore.subjects.detectors.onnx.layouts import PRESETS, cell_count, recognise
 
 PICTURE = np.zeros((64, 128, 3), np.uint8)
 BOX = (32.0, 32.0, 16.0, 16.0)

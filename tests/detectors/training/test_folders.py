@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import nvcore as nv
-from nvcore.detectors.arguments import TrainArguments
-from nvcore.detectors.icf import SIGNS
-from nvcore.detectors.registry import open_detector
-from nvcore.detectors.training.folders import folder_shots
-from nvcore.detectors.training.shots import TrainingData
-from nvcore.errors import InputError, ParameterError
+from nvcore.common.errors import InputError, ParameterError
+from nvcore.subjects.detectors.calls.arguments import TrainArguments
+from nvcore.subjects.detectors.icf import SIGNS
+from nvcore.subjects.detectors.registry import open_detector
+from nvcore.subjects.detectors.training.folders import folder_shots
+from nvcore.subjects.detectors.training.shots import TrainingData
 
 
 def shots_of(crops: Path | None, background: Path | None = None, **options: Any) -> TrainingData:

@@ -6,12 +6,12 @@ from typing import Any, get_args
 
 import pytest
 
-from nvcore.detectors.arguments import Preset
-from nvcore.detectors.base import DetectorError
-from nvcore.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS
-from nvcore.detectors.training.run import PRESETS, preset_for, preset_settings
-from nvcore.errors import ParameterError
-from nvcore.objects import PEDESTRIAN, SPEED_SIGN
+from nvcore.common.errors import ParameterError
+from nvcore.settings.objects import PEDESTRIAN, SPEED_SIGN
+from nvcore.subjects.detectors.base import DetectorError
+from nvcore.subjects.detectors.calls.arguments import Preset
+from nvcore.subjects.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS
+from nvcore.subjects.detectors.training.run import PRESETS, preset_for, preset_settings
 
 
 def test_the_command_line_knows_them_all():

@@ -11,14 +11,14 @@ import pytest
 from places import SAMPLE
 
 import nvcore as nv
+from nvcore.common.errors import InputError, ParameterError
 from nvcore.dataset import Dataset
-from nvcore.detectors.arguments import TrainArguments
-from nvcore.detectors.icf import PEDESTRIANS
-from nvcore.detectors.training.overlap import trained_part
-from nvcore.detectors.training.recordings import MOST_OBJECTS, session_shots
-from nvcore.detectors.training.shots import TrainingData
-from nvcore.errors import InputError, ParameterError
 from nvcore.pictures import RecordingPictures, session_pictures
+from nvcore.subjects.detectors.calls.arguments import TrainArguments
+from nvcore.subjects.detectors.icf import PEDESTRIANS
+from nvcore.subjects.detectors.training.overlap import trained_part
+from nvcore.subjects.detectors.training.recordings import MOST_OBJECTS, session_shots
+from nvcore.subjects.detectors.training.shots import TrainingData
 
 N_FRAMES = 40
 

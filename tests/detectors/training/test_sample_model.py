@@ -9,10 +9,10 @@ from inputs import nvcore
 from places import SAMPLE
 
 import nvcore as nv
-from nvcore.detectors.icf import PEDESTRIANS, read_model
-from nvcore.detectors.registry import SAMPLE_MODEL, open_detector
-from nvcore.detectors.training.overlap import trained_part
-from nvcore.detectors.training.run import preset_settings
+from nvcore.subjects.detectors.icf import PEDESTRIANS, read_model
+from nvcore.subjects.detectors.registry import SAMPLE_MODEL, open_detector
+from nvcore.subjects.detectors.training.overlap import trained_part
+from nvcore.subjects.detectors.training.run import preset_settings
 from scripts.detectors.train_sample import SEED, SETTINGS, TESTED, TRAINED
 
 FRAMES = range(40, 300, 40)

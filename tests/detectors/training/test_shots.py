@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from nvcore.detectors.training.shots import PictureStore, Shot, hold_out_groups
-from nvcore.errors import MediaError
+from nvcore.common.errors import MediaError
 from nvcore.pictures import Picture
+from nvcore.subjects.detectors.training.shots import PictureStore, Shot, hold_out_groups
 
 GREY = np.full((4, 6, 3), 7, np.uint8)
 COLOUR = np.dstack([np.full((4, 6), level, np.uint8) for level in (1, 2, 3)])

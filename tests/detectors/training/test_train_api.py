@@ -11,7 +11,7 @@ from builders import at, make_dataset
 from places import SAMPLE
 
 import nvcore as nv
-from nvcore.detectors.icf import read_model
+from nvcore.subjects.detectors.icf import read_model
 
 TRAINED = ("urban_crossing", "winter_frost")
 
@@ -118,6 +118,6 @@ def test_bad_targets_are_refused_before(dataset: nv.Dataset, tmp_path: Path):
 def test_too_little_memory_is_said_before(
     dataset: nv.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr("nvcore.detectors.training.run.free_bytes", lambda: 10**8)
+    monkeypatch.setattr("nvcore.subjects.detectors.training.run.free_bytes", lambda: 10**8)
     with pytest.raises(nv.NvcoreError, match=r"GB of memory; 0\.1 GB are free. Take fewer"):
         nv.train(dataset, tmp_path / "m.npz", only=TRAINED)

@@ -11,8 +11,8 @@ import pytest
 from inputs import nvcore
 from places import SAMPLE
 
-from nvcore.detectors.commands import _next_step
-from nvcore.detectors.training import run as run_module
+from nvcore.subjects.detectors.calls.commands import _next_step
+from nvcore.subjects.detectors.training import run as run_module
 
 PART = ("--only", "urban_crossing", "--only", "winter_frost", "--every", "15")
 QUICK = tuple(

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from builders import Place, at, make_dataset
 
+from nvcore.common.findings import Severity
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About, TrainedOn
-from nvcore.detectors.findings import trained_findings
-from nvcore.detectors.training import overlap as overlap_module
-from nvcore.detectors.training.overlap import trained_part, training_overlap
-from nvcore.findings import Severity
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
+from nvcore.subjects.detectors.findings import trained_findings
+from nvcore.subjects.detectors.training import overlap as overlap_module
+from nvcore.subjects.detectors.training.overlap import trained_part, training_overlap
 from pages import FRAMES, rows, write
 
 

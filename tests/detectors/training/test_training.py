@@ -11,11 +11,11 @@ import pytest
 from builders import Place, at, make_dataset
 
 from nvcore.auditing import audit
+from nvcore.common.findings import Finding, Severity
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About, Provenance, TrainedOn
-from nvcore.detectors.findings import audit_provenance
-from nvcore.detectors.training.overlap import trained_part
-from nvcore.findings import Finding, Severity
+from nvcore.subjects.detectors.findings import audit_provenance
+from nvcore.subjects.detectors.training.overlap import trained_part
 
 TRUTH = [at(frame, 20 + frame, recording=number) for number in (0, 1) for frame in range(10)]
 

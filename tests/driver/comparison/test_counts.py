@@ -5,8 +5,8 @@ from __future__ import annotations
 from approach import approach, only
 from builders import NAN, Place, at, make_dataset, result_of
 
-from nvcore.driver.comparison.notes import counts, driver_notes
 from nvcore.notes import Note
+from nvcore.subjects.driver.comparison.notes import counts, driver_notes
 
 
 def test_each_encounter_and_each_urgent_one_is_in_one_part():

@@ -10,15 +10,15 @@ from builders import NAN, at, make_dataset, result_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nvcore.comparison import Result, compare
-from nvcore.driver.comparison.encounters import (
+from nvcore.comparison.compare import Result, compare
+from nvcore.subjects.driver.comparison.encounters import (
     DRIVER_THRESHOLDS,
     describe_sight,
     driver_sights,
     over_driver_threshold,
 )
-from nvcore.driver.comparison.steps import driver_in
-from nvcore.driver.inputs.record import EstimateRecord
+from nvcore.subjects.driver.comparison.steps import driver_in
+from nvcore.subjects.driver.inputs.record import EstimateRecord
 
 TRACKS = "abcdefgh"
 

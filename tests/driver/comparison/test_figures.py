@@ -9,12 +9,12 @@ import pandas as pd
 import pytest
 from figure_parts import trace, words
 
-from nvcore.driver.comparison import figures
-from nvcore.driver.comparison.judging import DriverRegion
-from nvcore.driver.illumination import Light, LightSource
-from nvcore.driver.illumination.clock import adaptation_clock, with_change
 from nvcore.figures.style import LOOK
-from nvcore.objects import PEDESTRIAN
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.subjects.driver.comparison import figures
+from nvcore.subjects.driver.comparison.judging import DriverRegion
+from nvcore.subjects.driver.illumination import Light, LightSource
+from nvcore.subjects.driver.illumination.clock import adaptation_clock, with_change
 
 OUTSIDE = "estimated outside the range of the training"
 COURSE = pd.DataFrame(

@@ -12,15 +12,19 @@ from builders import NAN, Box, at, make_dataset, result_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.dataset import Dataset
-from nvcore.driver.comparison.in_time import is_driver_in_time, is_in_time_alone, is_seen_too_late
-from nvcore.driver.comparison.judging import DriverRegion, DriverView, split_unseen
-from nvcore.driver.comparison.steps import driver_in
-from nvcore.params import Params
-from nvcore.schema import Category
-from nvcore.stability.scores import score_setting
-from nvcore.time_left.steps import time_left_in
+from nvcore.dataset.schema import Category
+from nvcore.evidence.stability.scores import score_setting
+from nvcore.settings.params import Params
+from nvcore.subjects.driver.comparison.in_time import (
+    is_driver_in_time,
+    is_in_time_alone,
+    is_seen_too_late,
+)
+from nvcore.subjects.driver.comparison.judging import DriverRegion, DriverView, split_unseen
+from nvcore.subjects.driver.comparison.steps import driver_in
+from nvcore.subjects.time_left.steps import time_left_in
 
 NEAR, FAR = 40.0, 4.0
 """Heights with k above and below 0.5 in a picture of 100 px."""

@@ -13,15 +13,26 @@ import pytest
 from approach import approach, only
 from builders import NAN, Place, at, make_dataset, result_of
 
-from nvcore.comparison import Result, compare
-from nvcore.driver.comparison.encounters import (
+from nvcore.comparison.compare import Result, compare
+from nvcore.comparison.measures.table import MEASURES
+from nvcore.evidence.measures import significance_table
+from nvcore.notes import Note, say
+from nvcore.report.gate import run_gate
+from nvcore.report.gate.measures import gate_measures, listed_names, measure_names
+from nvcore.report.gate.rules import parse_rule
+from nvcore.report.terminal import render_scorecard
+from nvcore.report.tiles import tiles
+from nvcore.report.verdict import verdict
+from nvcore.settings.objects import objects_from
+from nvcore.settings.params import Params
+from nvcore.subjects.driver.comparison.encounters import (
     detectability_course,
     driver_venn_table,
     features_of_course,
     saved_encounters,
 )
-from nvcore.driver.comparison.judging import DRIVER_REGION_TEXT, DriverRegion
-from nvcore.driver.comparison.notes import (
+from nvcore.subjects.driver.comparison.judging import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.subjects.driver.comparison.notes import (
     driver_notes,
     no_claim,
     seen_unaided,
@@ -29,20 +40,9 @@ from nvcore.driver.comparison.notes import (
     weighting,
     weighting_notes,
 )
-from nvcore.driver.comparison.report import driver_section
-from nvcore.driver.comparison.steps import driver_in
-from nvcore.driver.inputs.record import EstimateRecord
-from nvcore.evidence.measures import significance_table
-from nvcore.measures.table import MEASURES
-from nvcore.notes import Note, say
-from nvcore.objects import objects_from
-from nvcore.params import Params
-from nvcore.report.gate import run_gate
-from nvcore.report.gate.measures import gate_measures, listed_names, measure_names
-from nvcore.report.gate.rules import parse_rule
-from nvcore.report.terminal import render_scorecard
-from nvcore.report.tiles import tiles
-from nvcore.report.verdict import verdict
+from nvcore.subjects.driver.comparison.report import driver_section
+from nvcore.subjects.driver.comparison.steps import driver_in
+from nvcore.subjects.driver.inputs.record import EstimateRecord
 from nvcore.tables.result import encounters_table, recordings_table
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.summary import summary

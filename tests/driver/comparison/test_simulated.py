@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nvcore.driver.comparison.notes import simulated_change
-from nvcore.driver.illumination.clock import period_after
 from nvcore.notes import say
-from nvcore.objects import PEDESTRIAN
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.subjects.driver.comparison.notes import simulated_change
+from nvcore.subjects.driver.illumination.clock import period_after
 
 NAN = np.nan
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from driver_trials import made_table
 
-from nvcore.driver.estimators import Search, Training, train_estimator
-from nvcore.driver.trials import TrainingTable
+from nvcore.subjects.driver.estimators import Search, Training, train_estimator
+from nvcore.subjects.driver.trials import TrainingTable
 
 SEARCH = Search(n_settings=2, n_folds=3)
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from driver_trials import made_table
 
-from nvcore.driver.commands import say_how_to_leave_out
-from nvcore.driver.estimator_report import render_table, render_training
-from nvcore.driver.estimators import Search, Training, train_estimator
+from nvcore.common.wording import MOST_NAMED
 from nvcore.notes import Note
-from nvcore.wording import MOST_NAMED
+from nvcore.subjects.driver.calls.commands import say_how_to_leave_out
+from nvcore.subjects.driver.estimators import Search, Training, train_estimator
+from nvcore.subjects.driver.evaluation.estimator_report import render_table, render_training
 
 
 @pytest.fixture(scope="module")

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from sklearn.svm import SVR
 
-from nvcore.driver.estimators import Estimator, Origin, Quality, Regression
-from nvcore.driver.estimators.model import SvrSettings
-from nvcore.driver.estimators.search import fit
-from nvcore.errors import ParameterError
+from nvcore.common.errors import ParameterError
+from nvcore.subjects.driver.estimators import Estimator, Origin, Quality, Regression
+from nvcore.subjects.driver.estimators.model import SvrSettings
+from nvcore.subjects.driver.estimators.search import fit
 
 ORIGIN = Origin(9, 4, 216, "no", 200.0, 0.5, 0.5, 0, "ab" * 32)
 

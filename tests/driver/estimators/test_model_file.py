@@ -23,8 +23,8 @@ from damaged_models import (
     with_odd_values,
 )
 
-from nvcore.driver.estimator_report import render_estimator
-from nvcore.driver.estimators import (
+from nvcore.common.errors import EstimatorError
+from nvcore.subjects.driver.estimators import (
     Estimator,
     Origin,
     Quality,
@@ -33,11 +33,11 @@ from nvcore.driver.estimators import (
     read_estimator,
     write_estimator,
 )
-from nvcore.driver.estimators.model import SvrSettings
-from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR, from_bytes, to_bytes
-from nvcore.driver.estimators.search import fit
-from nvcore.driver.features import FeatureSettings
-from nvcore.errors import EstimatorError
+from nvcore.subjects.driver.estimators.model import SvrSettings
+from nvcore.subjects.driver.estimators.model_file import SAMPLE_ESTIMATOR, from_bytes, to_bytes
+from nvcore.subjects.driver.estimators.search import fit
+from nvcore.subjects.driver.evaluation.estimator_report import render_estimator
+from nvcore.subjects.driver.features import FeatureSettings
 
 
 def test_an_estimator_is_read_as_it_was_written(training: Training, tmp_path: Path):

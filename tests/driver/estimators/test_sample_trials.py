@@ -14,10 +14,12 @@ import pandas as pd
 import pytest
 from places import SAMPLE
 
-from nvcore.driver.estimators import Search, read_estimator
-from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR
-from nvcore.driver.estimators.search import folds_of
-from nvcore.driver.estimators.training import (
+from nvcore.common.output.csv_text import to_csv_bytes
+from nvcore.common.progress import no_progress
+from nvcore.subjects.driver.estimators import Search, read_estimator
+from nvcore.subjects.driver.estimators.model_file import SAMPLE_ESTIMATOR
+from nvcore.subjects.driver.estimators.search import folds_of
+from nvcore.subjects.driver.estimators.training import (
     OUTER_FOLDS,
     OutOfFold,
     Samples,
@@ -26,11 +28,9 @@ from nvcore.driver.estimators.training import (
     out_of_fold,
     samples_of,
 )
-from nvcore.driver.feature_record import record_beside
-from nvcore.driver.images import image_features
-from nvcore.driver.trials import TrainingTable, training_table
-from nvcore.output.csv_text import to_csv_bytes
-from nvcore.progress import no_progress
+from nvcore.subjects.driver.features.feature_record import record_beside
+from nvcore.subjects.driver.features.images import image_features
+from nvcore.subjects.driver.trials import TrainingTable, training_table
 
 FOLDER = SAMPLE.parent
 SEARCH = Search(n_settings=4, n_folds=2)

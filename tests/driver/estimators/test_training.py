@@ -16,14 +16,14 @@ from driver_trials import (
     true_detectability,
 )
 
-from nvcore.driver.estimators import Search, Training, train_estimator
-from nvcore.driver.estimators.model_file import to_bytes
-from nvcore.driver.estimators.search import draw_settings, feature_sets, folds_of
-from nvcore.driver.estimators.training import out_of_fold, samples_of
-from nvcore.driver.features import FEATURE_KEYS
-from nvcore.driver.trials import TrainingTable
-from nvcore.errors import InputError, ParameterError
+from nvcore.common.errors import InputError, ParameterError
 from nvcore.notes import Note
+from nvcore.subjects.driver.estimators import Search, Training, train_estimator
+from nvcore.subjects.driver.estimators.model_file import to_bytes
+from nvcore.subjects.driver.estimators.search import draw_settings, feature_sets, folds_of
+from nvcore.subjects.driver.estimators.training import out_of_fold, samples_of
+from nvcore.subjects.driver.features import FEATURE_KEYS
+from nvcore.subjects.driver.trials import TrainingTable
 
 SEARCH = Search(n_settings=2, n_folds=3)
 

@@ -10,9 +10,9 @@ import pytest
 from driver_estimators import estimator
 from driver_trials import made_table
 
-from nvcore.driver.estimator_report import render_table, render_training
-from nvcore.driver.estimators import Training
-from nvcore.driver.trials import TrainingTable
+from nvcore.subjects.driver.estimators import Training
+from nvcore.subjects.driver.evaluation.estimator_report import render_table, render_training
+from nvcore.subjects.driver.trials import TrainingTable
 
 
 @pytest.fixture

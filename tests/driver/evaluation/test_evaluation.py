@@ -12,17 +12,21 @@ import pytest
 from driver_trials import CHOSEN, PERIODS_S, made_table
 from places import ROOT
 
-from nvcore.driver.estimator_report import EVALUATION_FILES, evaluation_files, render_evaluation
-from nvcore.driver.estimators import Search
-from nvcore.driver.estimators.search import PAIRS
-from nvcore.driver.evaluation import (
+from nvcore.subjects.driver.estimators import Search
+from nvcore.subjects.driver.estimators.search import PAIRS
+from nvcore.subjects.driver.evaluation import (
     PUBLISHED_NOTE,
     Evaluation,
     evaluate_estimators,
     evaluation_tables,
     published,
 )
-from nvcore.driver.features import FEATURE_KEYS
+from nvcore.subjects.driver.evaluation.estimator_report import (
+    EVALUATION_FILES,
+    evaluation_files,
+    render_evaluation,
+)
+from nvcore.subjects.driver.features import FEATURE_KEYS
 
 N = 10
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from figure_parts import trace, words
 
-from nvcore.driver.evaluation.figures import (
+from nvcore.subjects.driver.evaluation.figures import (
     detectability_histograms_plot,
     detectability_plot,
     estimates_plot,

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from places import ROOT
 from scipy.stats import wasserstein_distance
 
-from nvcore.driver.features import FEATURE_KEYS, FEATURES, FeatureSettings, features_of
-from nvcore.errors import ParameterError
+from nvcore.common.errors import ParameterError
+from nvcore.subjects.driver.features import FEATURE_KEYS, FEATURES, FeatureSettings, features_of
 
 BOX = np.array([[40.0, 20.0, 20.0, 40.0]])
 """20 x 40 px; with twice its sides: x 30..70, y 0..80."""

@@ -7,9 +7,9 @@ import time
 import numpy as np
 import pytest
 
-from nvcore.driver.illumination import Light, LightSettings, LightSource
-from nvcore.driver.illumination.clock import changes_of
-from nvcore.errors import ParameterError
+from nvcore.common.errors import ParameterError
+from nvcore.subjects.driver.illumination import Light, LightSettings, LightSource
+from nvcore.subjects.driver.illumination.clock import changes_of
 
 RATE = 20
 

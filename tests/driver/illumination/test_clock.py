@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nvcore.dataset.tables import frames_table
-from nvcore.driver.illumination import Light, LightSettings, LightSource
-from nvcore.driver.illumination.clock import (
+from nvcore.subjects.driver.illumination import Light, LightSettings, LightSource
+from nvcore.subjects.driver.illumination.clock import (
     AdaptationClock,
     adaptation_clock,
     period_after,

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nvcore.driver.illumination import LightSource, picture_level, read_light
-from nvcore.errors import FormatError
+from nvcore.common.errors import FormatError
+from nvcore.subjects.driver.illumination import LightSource, picture_level, read_light
 
 
 def light_file(folder: Path, *lines: str) -> Path:

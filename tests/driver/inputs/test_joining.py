@@ -12,16 +12,16 @@ import pytest
 from inputs import drive, nvcore, session_of, write
 
 from nvcore.auditing import audit
-from nvcore.comparison import compare
+from nvcore.common.errors import FormatError, InputError
+from nvcore.comparison.compare import compare
 from nvcore.dataset import Dataset
-from nvcore.driver.comparison.steps import driver_in
-from nvcore.driver.inputs.record import EstimateRecord, estimate_json, read_estimate_record
-from nvcore.driver.inputs.session import DriverTable
-from nvcore.errors import FormatError, InputError
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session
-from nvcore.inputs.session_toml import read_session, write_session
-from nvcore.params import Params
+from nvcore.inputs.session.toml import read_session, write_session
+from nvcore.settings.params import Params
+from nvcore.subjects.driver.comparison.steps import driver_in
+from nvcore.subjects.driver.inputs.record import EstimateRecord, estimate_json, read_estimate_record
+from nvcore.subjects.driver.inputs.session import DriverTable
 from nvcore.tables.inputs import finding_entries
 
 HEAD = "recording,frame,track,x,y,w,h,detectability,sd,is_outside,period_s"

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from inputs import write
 
-from nvcore.driver.inputs.session import DriverTable
-from nvcore.errors import SessionError
+from nvcore.common.errors import SessionError
 from nvcore.inputs.session import RecordingEntry, Session
-from nvcore.inputs.session_toml import read_session, write_session
+from nvcore.inputs.session.toml import read_session, write_session
 from nvcore.report.protect_inputs import files_read
+from nvcore.subjects.driver.inputs.session import DriverTable
 
 HEAD = '[truth]\npath = "gt.csv"\n[[system]]\npath = "fir.csv"\n'
 KEYS = 'visible = "v.mp4"\nvisible_map = [1.5, 2, 8, -12.5]\nlight = "lux.csv"\ngaze = "gaze.csv"\n'

@@ -6,7 +6,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nvcore.driver.inputs.study_tables import LATE_S, TRIAL_COLUMNS, is_off_time, is_same_time
+from nvcore.subjects.driver.inputs.study_tables import (
+    LATE_S,
+    TRIAL_COLUMNS,
+    is_off_time,
+    is_same_time,
+)
 
 
 @pytest.mark.parametrize("asked_s", [0.0, 1.0, 2.5, 7.0])

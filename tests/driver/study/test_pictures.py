@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from nvcore.driver.study.pictures import (
+from nvcore.common.errors import InputError
+from nvcore.pictures.stretch import png
+from nvcore.subjects.driver.study.pictures import (
     FIGURES,
     coarse,
     load_picture,
     practice_picture,
     read_pictures,
 )
-from nvcore.errors import InputError
-from nvcore.pictures.stretch import png
 
 HEADER = "image,pedestrian,x,y,w,h\n"
 

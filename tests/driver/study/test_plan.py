@@ -5,9 +5,9 @@ from itertools import pairwise
 
 import pytest
 
-from nvcore.driver.study.plan import duration_s, plan_trials
-from nvcore.driver.study.settings import ADAPTATION_S, Timing
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
+from nvcore.subjects.driver.study.plan import duration_s, plan_trials
+from nvcore.subjects.driver.study.settings import ADAPTATION_S, Timing
 
 PAIRS = {(0.0, 4.0), (1.0, 5.5), (2.5, 7.0)}
 

@@ -6,8 +6,8 @@ from dataclasses import asdict
 
 import pytest
 
-from nvcore.driver.study.settings import Facts, StudySettings, Timing
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
+from nvcore.subjects.driver.study.settings import Facts, StudySettings, Timing
 
 
 def test_the_papers_times_make_three_kinds_of_run():

@@ -8,9 +8,11 @@ from datetime import UTC, datetime
 
 import pytest
 
-from nvcore.driver.study.pictures import StudyPicture
-from nvcore.driver.study.settings import Facts, StudySettings
-from nvcore.driver.study.touch_task import (
+from nvcore.common.errors import InputError
+from nvcore.common.output.csv_text import to_csv_bytes
+from nvcore.subjects.driver.study.pictures import StudyPicture
+from nvcore.subjects.driver.study.settings import Facts, StudySettings
+from nvcore.subjects.driver.study.touch_task import (
     TRIAL_COLUMNS,
     Answer,
     DetectabilityStore,
@@ -19,8 +21,6 @@ from nvcore.driver.study.touch_task import (
     participants_table,
     trials_table,
 )
-from nvcore.errors import InputError
-from nvcore.output.csv_text import to_csv_bytes
 
 BOX = (10.0, 5.0, 6.0, 12.0, 40, 30, "0" * 64)
 PICTURES = tuple(StudyPicture(f"{name}.png", "p", *BOX) for name in "abcdef")

@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 from driver_trials import parsed_trials
 
-from nvcore.driver.trials import Judging, judge_trials, side_of_angle
-from nvcore.errors import InputError, ParameterError
+from nvcore.common.errors import InputError, ParameterError
+from nvcore.subjects.driver.trials import Judging, judge_trials, side_of_angle
 
 HEADER = (
     "subject,run,position,order,image,pedestrian,adaptation_asked_s,adaptation_measured_s,"

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from driver_trials import parsed_trials
 
-from nvcore.driver.inputs.study_tables import picture_boxes, read_picture_boxes
-from nvcore.driver.trials import TRIAL_COLUMNS
-from nvcore.driver.trials.table import read_features, read_trials
-from nvcore.errors import FormatError, InputError
+from nvcore.common.errors import FormatError, InputError
+from nvcore.subjects.driver.inputs.study_tables import picture_boxes, read_picture_boxes
+from nvcore.subjects.driver.trials import TRIAL_COLUMNS
+from nvcore.subjects.driver.trials.table import read_features, read_trials
 
 HEADER = ",".join(TRIAL_COLUMNS)
 SEEN = "S1,0,1,3,a.jpg,p1,2.5,2.512,640.5,300,1.25,0,tablet"

@@ -11,11 +11,11 @@ import pandas as pd
 import pytest
 from driver_trials import PERIODS_S, made_features, made_table, made_trials, true_detectability
 
-from nvcore.driver.feature_record import record_beside, record_bytes
-from nvcore.driver.features import FeatureSettings
-from nvcore.driver.trials import training_table
-from nvcore.errors import InputError
-from nvcore.findings import Remedy, Step
+from nvcore.common.errors import InputError
+from nvcore.common.findings import Remedy, Step
+from nvcore.subjects.driver.features import FeatureSettings
+from nvcore.subjects.driver.features.feature_record import record_beside, record_bytes
+from nvcore.subjects.driver.trials import training_table
 
 FEW = ("A", "B", "C", "D")
 

@@ -93,7 +93,7 @@ def boxes_of(row: int) -> list[Drawn]:
 
 
 def reason_of(box: Drawn) -> dict[str, object]:
-    """What the server says of a box, in the form of `nvcore.overlay.explain.BoxReason`."""
+    """What the server says of a box, in the form of `nvcore.figures.overlay.explain.BoxReason`."""
     name = f"Pedestrian {box.track}" if box.source == 0 else f"Detection {box.score:.2f}"
     encounter = box.track if box.source == 0 and not box.state & 1 else -1
     lines = [f"{box.h:.0f} px tall"]

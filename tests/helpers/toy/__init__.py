@@ -1,6 +1,6 @@
 """A subject for the tests: how many encounters are long, and who detects those."""
 
-from nvcore.subjects import Subject
+from nvcore.common.subject import Subject
 
 SUBJECT = Subject(
     name="toy",

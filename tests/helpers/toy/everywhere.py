@@ -9,7 +9,7 @@ import json
 import sys
 from pathlib import Path
 
-from nvcore import subjects
+from nvcore.common import subject as subjects
 
 subjects.SUBJECTS = (*subjects.SUBJECTS, "toy")  # the entry; what follows is as ever
 

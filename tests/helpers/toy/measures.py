@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from nvcore.comparison import Result
-from nvcore.measures.entry import HIGHER, Measure, MeasureTable
-from nvcore.scoring import Inputs, ScoringStep, SystemResult
-from nvcore.stages import ENCOUNTERS
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.entry import HIGHER, Measure, MeasureTable
+from nvcore.comparison.scoring import Inputs, ScoringStep, SystemResult
+from nvcore.settings.stages import ENCOUNTERS
 from toy.settings import LONG
 
 

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nvcore.stages import Stage, setting
+from nvcore.settings.stages import Stage, setting
 
 LONG = Stage("long encounters", "Toy", result="toy results")
 RESULTS = (LONG,)

@@ -2,11 +2,10 @@ from __future__ import annotations
 
 import plotly.graph_objects as go
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.notes import Note
 from nvcore.report.verdict import PointOf
-from nvcore.tables.added import Columns
-from nvcore.tables.column import CellKind, Column
+from nvcore.tables.column import CellKind, Column, Columns
 from toy.measures import is_long
 
 

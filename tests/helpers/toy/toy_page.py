@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import streamlit as st
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from ui.shell.messages import needs_comparison
 
 

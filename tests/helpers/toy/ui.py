@@ -3,7 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from toy.settings import LONG
-from ui.subjects import Page
+from ui.subject import Page
 
 PAGES = (
     Page(

@@ -22,18 +22,18 @@ from field_scene import (
 )
 
 import nvcore as nv
-from nvcore.errors import (
+from nvcore.common.errors import (
     FormatError,
     MissingFactError,
     UnknownFormatError,
     UnnamedClassesError,
 )
-from nvcore.findings import Remedy, Step
+from nvcore.common.findings import Remedy, Step
 from nvcore.inputs.load import load, read_source
 from nvcore.inputs.readers.base import LeftOut, SourceFile
 from nvcore.inputs.readers.meaning.classes import MAX_BYTES, class_names_beside, names_of_yaml
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.inputs.session_toml import read_session, write_session
+from nvcore.inputs.session.toml import read_session, write_session
 from nvcore.tables.inputs import inputs_table
 
 SIDES = ("truth", "x", "y")

@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 from reader_files import rows, source
 
-from nvcore.errors import FormatError, InputError
-from nvcore.findings import Remedy, Step
+from nvcore.common.errors import FormatError, InputError
+from nvcore.common.findings import Remedy, Step
 from nvcore.inputs.load import load
 from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.gtsdb import CLASSES, read
 from nvcore.inputs.session import Session, Source
-from nvcore.objects import SPEED_SIGN, objects_from
+from nvcore.settings.objects import SPEED_SIGN, objects_from
 
 ROWS = """00003.ppm;742;443;765;466;4
 00003.ppm;742;466;764;489;9

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from places import DATA
 
-from nvcore.errors import NvcoreError
+from nvcore.common.errors import NvcoreError
 from nvcore.inputs.readers import voc, yolo
 from nvcore.inputs.readers.base import Format, ReadOptions, SourceFile
 from nvcore.inputs.readers.cvat import images, video

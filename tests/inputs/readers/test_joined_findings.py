@@ -4,7 +4,7 @@ from pathlib import Path
 
 from inputs import mot_layout, write
 
-from nvcore.findings import Finding, Severity
+from nvcore.common.findings import Finding, Severity
 from nvcore.inputs.load import read_source
 from nvcore.inputs.readers.base import joined_findings
 from nvcore.inputs.session import Source

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from reader_files import golden, only_finding, rows, source
 
-from nvcore.errors import FormatError, InputError
+from nvcore.common.errors import FormatError, InputError
+from nvcore.dataset.schema import READING_DTYPES, UNKNOWN_OCCLUSION
 from nvcore.inputs.readers import format_named
 from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.mot import read
-from nvcore.schema import READING_DTYPES, UNKNOWN_OCCLUSION
 
 NAME = "A/gt/gt.txt"
 TRUTH = "MOT16-02/gt/gt.txt"

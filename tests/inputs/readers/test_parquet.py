@@ -18,11 +18,12 @@ from hypothesis import strategies as st
 from inputs import drive, flags, nvcore
 from reader_files import rows, source
 
-from nvcore.errors import FormatError, NvcoreError
-from nvcore.inputs.readers import detect_format, parquet, parquet_decoder
+from nvcore.common.errors import FormatError, NvcoreError
+from nvcore.inputs.readers import detect_format, parquet
 from nvcore.inputs.readers.base import Reading, ReadOptions, Role, SourceFile
 from nvcore.inputs.readers.csv import FORMAT as PLAIN_CSV
-from nvcore.inputs.readers.parquet_decoder import ParquetTable, RefusedError
+from nvcore.inputs.readers.parquet import decoder as parquet_decoder
+from nvcore.inputs.readers.parquet.decoder import ParquetTable, RefusedError
 
 BOX: dict[str, Any] = {"frame": [1, 2], "x": [1.5, 2.0], "y": [0, 1], "w": [9, 9], "h": [20, 30]}
 

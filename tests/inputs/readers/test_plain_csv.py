@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 from reader_files import golden, only_finding, rows, source
 
-from nvcore.errors import FormatError, InputError
+from nvcore.common.errors import FormatError, InputError
+from nvcore.dataset.schema import NO_TRACK
 from nvcore.inputs.readers import csv
 from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile
-from nvcore.schema import NO_TRACK
 
 
 def read_golden(name: str, **options: object) -> Reading:

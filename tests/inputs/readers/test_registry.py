@@ -10,7 +10,7 @@ import pytest
 from places import DATA
 from reader_files import golden
 
-from nvcore.errors import InputError, UnknownFormatError
+from nvcore.common.errors import InputError, UnknownFormatError
 from nvcore.inputs.load import load
 from nvcore.inputs.readers import FORMATS, MAX_LOOKS, detect_format, format_named
 from nvcore.inputs.readers.base import ReadOptions, Role, SourceFile

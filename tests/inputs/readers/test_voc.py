@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from reader_files import golden, only_finding, rows, source
 
-from nvcore.errors import FormatError, InputError
-from nvcore.findings import Remedy, Step
+from nvcore.common.errors import FormatError, InputError
+from nvcore.common.findings import Remedy, Step
 from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.voc import read
 

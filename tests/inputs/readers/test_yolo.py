@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from reader_files import golden, only_finding, rows, source
 
-from nvcore.errors import FormatError, InputError, MissingFactError, UnnamedClassesError
-from nvcore.findings import Remedy, Step
+from nvcore.common.errors import FormatError, InputError, MissingFactError, UnnamedClassesError
+from nvcore.common.findings import Remedy, Step
 from nvcore.inputs.readers.base import LeftOut, Reading, ReadOptions
 from nvcore.inputs.readers.yolo import read, recognise
 

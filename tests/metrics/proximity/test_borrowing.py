@@ -9,10 +9,10 @@ import pandas as pd
 import pytest
 from builders import NAN, Box, Place, at, make_dataset
 
-from nvcore.comparison import compare
+from nvcore.comparison.compare import compare
 from nvcore.metrics.proximity.borrowing import borrowed_distances, weighing_truth
-from nvcore.params import Params
 from nvcore.report.terminal import render_inputs
+from nvcore.settings.params import Params
 
 BORROW = Params(proximity="distance", missing_distance="borrow")
 

@@ -10,14 +10,14 @@ from builders import Box, Place, make_dataset
 from places import SAMPLE
 
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
 from nvcore.metrics.proximity.horizon import (
     LEAST_BOXES,
     MOST_BOXES,
     estimate_horizon,
     estimate_horizons,
 )
-from nvcore.objects import PEDESTRIAN
+from nvcore.settings.objects import PEDESTRIAN
 
 HORIZON = 200.0
 

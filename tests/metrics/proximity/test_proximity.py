@@ -11,7 +11,7 @@ from builders import Place, at, make_dataset
 from nvcore.dataset import Dataset
 from nvcore.metrics import proximity
 from nvcore.metrics.proximity import sigmoid, weigh_proximity
-from nvcore.params import Params
+from nvcore.settings.params import Params
 
 ONE = 1 / (1 + math.exp(-1))
 

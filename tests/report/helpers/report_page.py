@@ -6,7 +6,7 @@ import json
 from html.parser import HTMLParser
 from pathlib import Path
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.inputs.session import Session
 from nvcore.report.html import write_html_report
 

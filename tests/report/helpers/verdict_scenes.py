@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 from builders import NAN, Box, at, make_dataset, result_of
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.measures import significance_table
 from nvcore.report.verdict import Verdict, verdict

@@ -12,7 +12,7 @@ import pytest
 from builders import Box, Place, at, make_dataset, result_of
 from inputs import drive, session_of
 
-from nvcore.comparison import Result
+from nvcore.comparison.compare import Result
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry
 from nvcore.pictures import RecordingPictures, open_pictures, session_pictures

@@ -7,15 +7,15 @@ from builders import result_of
 from drives import drives
 from places import SAMPLE
 
-from nvcore.comparison import Result, compare
+from nvcore.common.progress import no_progress
+from nvcore.comparison.compare import Result, compare
 from nvcore.evidence.table import evidence_table
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
-from nvcore.progress import no_progress
-from nvcore.protocols import PROTOCOLS
+from nvcore.inputs.session.toml import read_session
 from nvcore.report.plan import verdict_plan
 from nvcore.report.section import Paragraphs, Table
 from nvcore.report.sections.evidence import plan_measures, plan_section
+from nvcore.settings.protocols import PROTOCOLS
 
 
 @pytest.fixture(scope="module")

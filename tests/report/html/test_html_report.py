@@ -14,18 +14,16 @@ from limits import limits_read
 from report_page import Page, written
 
 from nvcore import __version__
-from nvcore.arguments.report import Inscription
-from nvcore.comparison import Result, compare
-from nvcore.errors import InputError
+from nvcore.common.arguments.report import Inscription
+from nvcore.common.errors import InputError
+from nvcore.common.findings import Finding, Severity
+from nvcore.common.wording import number
+from nvcore.comparison.compare import Result, compare
 from nvcore.evidence.bootstrap import INTERVAL_RULE
 from nvcore.evidence.operating_points import find_equal_alarms
 from nvcore.figures.venn import venn_figure
-from nvcore.findings import Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
-from nvcore.objects import PEDESTRIAN
-from nvcore.params import Params
-from nvcore.protocols import PROTOCOLS
 from nvcore.report.html import write_html_report
 from nvcore.report.html.page import css_text
 from nvcore.report.section import (
@@ -41,9 +39,11 @@ from nvcore.report.section import (
 from nvcore.report.sections import encounters as encounter_sections
 from nvcore.report.sections import results as result_sections
 from nvcore.report.sections.results import classes_section
-from nvcore.settings import Settings
+from nvcore.settings.defaults import Settings
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.settings.params import Params
+from nvcore.settings.protocols import PROTOCOLS
 from nvcore.tables.encounters.severity import weighed_encounters
-from nvcore.wording import number
 
 HOSTILE = "</script><img src=x onerror=alert(1)>{{ 7*7 }}"
 

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import draw_scene
 
-from nvcore.comparison import Result, compare
-from nvcore.schema import MissClass
+from nvcore.comparison.compare import Result, compare
+from nvcore.dataset.schema import MissClass
 from nvcore.tables.encounters.miss_classes import (
     ALL_CLASSES,
     CLASS_COLUMNS,

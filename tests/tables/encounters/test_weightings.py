@@ -10,10 +10,10 @@ import pytest
 from builders import NAN, Box, Place, make_dataset
 from places import SAMPLE
 
-from nvcore.comparison import Result, compare
+from nvcore.comparison.compare import Result, compare
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
-from nvcore.params import Params
+from nvcore.inputs.session.toml import read_session
+from nvcore.settings.params import Params
 from nvcore.tables.encounters.weightings import KINDS, compare_weightings
 from nvcore.tables.result import encounters_table
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from inputs import write
 
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
 from ui.access.files import MAX_NAME_BYTES, Entry, LocalRoot, free_name, local_root, safe_name
 
 

@@ -10,7 +10,7 @@ import pytest
 import streamlit as st
 from people import AUTH, log_in_by
 
-from nvcore.errors import InputError, MissingExtraError
+from nvcore.common.errors import InputError, MissingExtraError
 from ui.access import login as module
 from ui.access.login import login, read_login
 

@@ -8,9 +8,9 @@ import pytest
 from places import SAMPLE
 from streamlit.testing.v1 import AppTest
 
-from nvcore.alerts.episodes import UNWANTED
-from nvcore.alerts.policy import POLICIES, POLICY_SETTINGS, named_policy
-from nvcore.alerts.steps import alerts_in
+from nvcore.subjects.alerts.episodes import UNWANTED
+from nvcore.subjects.alerts.policy import POLICIES, POLICY_SETTINGS, named_policy
+from nvcore.subjects.alerts.steps import alerts_in
 from pages import (
     alone,
     begin_with,

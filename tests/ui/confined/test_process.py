@@ -21,9 +21,9 @@ from inputs import drive, session_of
 from picture_files import number_in, numbered, write_numbered_video, write_picture
 from places import ROOT
 
-from nvcore.errors import InputError, MediaError, MissingFactError
+from nvcore.common.errors import InputError, MediaError, MissingFactError
+from nvcore.common.progress import Progress
 from nvcore.inputs.load import load
-from nvcore.progress import Progress
 from ui.confined import process as confined
 from ui.confined.pictures import PictureProcess
 from ui.confined.process import Allowance, Process, call
@@ -57,7 +57,7 @@ def is_loaded(module: str) -> bool:
 
 
 def test_what_a_light_meter_needs_is_loaded_before_anybody_waits_for_it():
-    assert call(is_loaded, "ui.driver.confined", allowance=ENOUGH, what="asking")
+    assert call(is_loaded, "ui.subjects.driver.confined", allowance=ENOUGH, what="asking")
 
 
 def test_a_dataset_comes_back_as_it_was_read(tmp_path: Path):

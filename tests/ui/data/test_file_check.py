@@ -15,8 +15,8 @@ from inputs import write
 from nvcore.inputs.load import read_source
 from nvcore.inputs.readers.base import Reading
 from nvcore.inputs.session import Source
-from ui.data import file_check
-from ui.data.file_check import FileCheck, check_files
+from ui.views.data import file_check
+from ui.views.data.file_check import FileCheck, check_files
 
 TRUTH = ("frame,x,y,w,h", "1,2,3,40,90", "2,2,3,40,90")
 

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from places import ROOT
 
-from nvcore.errors import SessionError
+from nvcore.common.errors import SessionError
 from nvcore.inputs.session import Session, Source
 from pages import scripted
 from ui.confined.pictures import PictureProcess
-from ui.data.missing_inputs import MissingInputs, PictureCheck, check_pictures
+from ui.views.data.missing_inputs import MissingInputs, PictureCheck, check_pictures
 
 VIDEO = ROOT / "sample_data" / "odd_pose.mp4"
 
@@ -76,7 +76,7 @@ def test_a_folder_of_pictures_that_was_mended_in_place_is_opened_again(tmp_path:
 
 def test_what_pictures_are_is_kept_for_one_session(tmp_path: Path, opened: list[Path]):
     video = Path(shutil.copy(VIDEO, tmp_path / "drive.mp4"))
-    script = "from pathlib import Path\nfrom ui.data.missing_inputs import check_pictures\n"
+    script = "from pathlib import Path\nfrom ui.views.data.missing_inputs import check_pictures\n"
     script += f"assert check_pictures(Path({str(video)!r})).size == (640, 480)\n"
     scripted(script).run().run()
     assert len(opened) == 1

@@ -20,8 +20,8 @@ from inputs import drive, write
 from streamlit.testing.v1 import AppTest
 
 from pages import checked, texts
-from ui.export.session import portable_session
 from ui.jobs.page_run import is_uploaded
+from ui.views.export.session import portable_session
 
 
 def changing(page: AppTest, purpose: str, place: str = "upload", **files: Path) -> AppTest:

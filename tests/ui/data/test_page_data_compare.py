@@ -11,13 +11,13 @@ from data_page import COMPARING, READING, open_files, opened, press, sent, space
 from inputs import drive, session_of
 from streamlit.testing.v1 import AppTest
 
-from nvcore.comparison import compare
+from nvcore.comparison.compare import compare
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.evidence.operating_points import equal_setting, find_equal_alarms
 from nvcore.report.words import sampling_note
 from pages import begin_with, checked, texts, to_page
 from pages import opened as opened_app
-from ui.data.compare import EXACT_OPEN
+from ui.views.data.compare import EXACT_OPEN
 
 
 def n_kept(page) -> int:
@@ -159,7 +159,7 @@ def test_rates_of_sampled_frames_say_what_they_count():
     frames = range(9, 209, 20)
     truth = "frame,x,y,w,h\n" + "".join(f"{frame},100,100,40,90\n" for frame in frames)
     boxes = "frame,x,y,w,h,score\n" + "".join(f"{frame},9,9,40,90,0.5\n" for frame in frames)
-    calls = (*READING, "ui.data.compare.draw()")
+    calls = (*READING, "ui.views.data.compare.draw()")
     page = open_files(sent(truth.encode(), ("a.csv", boxes.encode()), calls=calls))
     assert sampling_note(space_of(page).opened.dataset.frame_columns) in texts(page)
 

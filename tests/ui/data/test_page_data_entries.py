@@ -12,11 +12,11 @@ from data_page import open_files, sent
 from picture_files import numbered, write_picture
 from streamlit.testing.v1 import AppTest
 
-from nvcore.findings import Cases, Finding, Severity
+from nvcore.common.findings import Cases, Finding, Severity
 from nvcore.pictures import open_pictures
 from nvcore.pictures.recordings import RecordingPictures
 from pages import checked, press, tables, texts
-from ui.data.audit import entries
+from ui.views.data.audit import entries
 
 TRUTH = b"frame,x,y,w,h\n0,9,9,40,90\n1,9,9,40,90\n2,9,9,40,90\n"
 BOTH = b"frame,x,y,w,h,score\n0,9,9,40,90,0.9\n1,300,100,40,90,0.5\n2,300,100,40,90,0.5\n"

@@ -7,7 +7,7 @@ from data_page import ASKED, opened, press, send, space_of
 from field_cases import CASES, Case
 from field_scene import found
 
-from nvcore.comparison import compare
+from nvcore.comparison.compare import compare
 from pages import checked, texts
 
 

@@ -18,15 +18,15 @@ from data_page import (
     space_of,
 )
 
-from nvcore.errors import InputError
-from nvcore.inputs.recordings_file import read_recordings_file
+from nvcore.common.errors import InputError
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
+from nvcore.inputs.session.recordings_file import read_recordings_file
 from pages import begin_with, checked, part, session, shown, texts
-from ui.data.recordings import changes_in, saved
 from ui.session import state
 from ui.session.store import ENCOUNTER
+from ui.views.data.recordings import changes_in, saved
 
-TABLES = ("ui.data.opening.draw_outcome()", "ui.data.inputs.draw()")
+TABLES = ("ui.views.data.opening.draw_outcome()", "ui.views.data.inputs.draw()")
 FILTER = ("ui.shell.recordings_filter.draw()", "ui.session.state.write_address()")
 
 BEFORE = pd.DataFrame(
@@ -132,7 +132,9 @@ def test_a_recording_is_called_otherwise_without_reading_it_again(
 
 
 def test_a_rename_keeps_who_is_chosen_and_which_preset(edit: Edit):
-    page = opened("ui.data.inputs.draw()", "ui.shell.sidebar.draw(wrong, pages.PAGE_OF['data'])")
+    page = opened(
+        "ui.views.data.inputs.draw()", "ui.shell.sidebar.draw(wrong, pages.PAGE_OF['data'])"
+    )
     page.session_state[ENCOUNTER.key] = (1, "urban_crossing:2")
     page.session_state["encounters_recording_1"] = ["urban_crossing", "rural_child"]
     page.session_state["saliency_recording_1"] = "urban_crossing"
@@ -160,7 +162,7 @@ def test_an_impossible_change_is_said_and_changes_nothing(edit: Edit):
 
 
 def test_the_systems_are_called_otherwise_and_keep_their_result():
-    page = opened("ui.data.inputs.draw()", "ui.session.state.result()")
+    page = opened("ui.views.data.inputs.draw()", "ui.session.state.result()")
     before = space_of(page).result
     page.text_input(key="system_name_1_0_0").set_value("Thermal")
     page = press_labelled(page, "Use these names")
@@ -258,9 +260,9 @@ def test_an_address_with_tags_of_a_recording_that_is_not_compared_says_so(
 
 def test_an_exported_session_holds_names_and_choice(tmp_path: Path):
     from nvcore.inputs.load import load
-    from nvcore.inputs.session_toml import read_session, write_session
+    from nvcore.inputs.session.toml import read_session, write_session
 
-    page = opened(*FILTER, "ui.data.inputs.draw()")
+    page = opened(*FILTER, "ui.views.data.inputs.draw()")
     page.text_input(key="system_name_1_0_0").set_value("Thermal")
     page = press_labelled(page, "Use these names")
     page = checked(page.multiselect(key="tags_chosen").set_value(["rural"]).run())

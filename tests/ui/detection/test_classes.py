@@ -14,7 +14,7 @@ from pages import begin_with, checked, part, texts
 
 def classes(session: Path, patch: pytest.MonkeyPatch) -> AppTest:
     begin_with(session, patch)
-    return checked(part("ui.detection.classes.draw(RESULT)").run())
+    return checked(part("ui.views.detection.classes.draw(RESULT)").run())
 
 
 def test_a_limit_that_was_read_wrong_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -10,11 +10,11 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 import pages
-from nvcore.detection.curve_summary import summarise_curve
-from nvcore.detection.curves import detection_curve
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
-from nvcore.protocols import PROTOCOLS
+from nvcore.inputs.session.toml import read_session
+from nvcore.metrics.detection.curve_summary import summarise_curve
+from nvcore.metrics.detection.curves import detection_curve
+from nvcore.settings.protocols import PROTOCOLS
 from nvcore.tables.scorecard import curve_rows
 from pages import part
 from ui.session.state import SAMPLE
@@ -25,7 +25,9 @@ OF_SESSION = "filters of the session"
 WHOLE_SAMPLE = "8,172 pedestrians in 3,000 images"
 
 
-CURVES = "ui.detection.curves.draw(RESULT, ui.detection.protocol.choose(RESULT.dataset))"
+CURVES = (
+    "ui.views.detection.curves.draw(RESULT, ui.views.detection.protocol.choose(RESULT.dataset))"
+)
 
 
 def opened() -> AppTest:
@@ -180,7 +182,9 @@ def test_the_overview_uses_the_protocol():
     checked(page.multiselect(key="protocol_recordings").set_value(names).run())
     assert "in 600 images count" in told(page)
     assert f"only recordings {names[0]}, {names[1]}" in told(page)
-    evidence = "ui.overview.evidence.draw(RESULT, ui.session.results.measure_evidence(RESULT))"
+    evidence = (
+        "ui.views.overview.evidence.draw(RESULT, ui.session.results.measure_evidence(RESULT))"
+    )
     overview = checked(part(evidence, space=pages.space_of(page)).run())
     labels = [label.partition("[")[0] for label in pages.measures(overview, "evidence")]
     assert "log-average miss rate, all, 2 recordings ↓" in labels
@@ -198,7 +202,7 @@ def test_a_click_sets_the_threshold_where_there_is_a_score(clicked, threshold, m
     page = opened()
     clicks = [["x", clicked]]
     monkeypatch.setattr(
-        "ui.detection.curves.clicked_chart", lambda *_, **__: clicks.pop() if clicks else None
+        "ui.views.detection.curves.clicked_chart", lambda *_, **__: clicks.pop() if clicks else None
     )
     checked(page.run())
     assert not clicks

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 import small_icf
 
-from nvcore.detectors.base import DetectorError
-from nvcore.detectors.icf.displays import MOST_CELLS, map_at, window_of, window_path
-from nvcore.detectors.registry import open_detector
-from nvcore.errors import InputError, ParameterError
+from nvcore.common.errors import InputError, ParameterError
+from nvcore.subjects.detectors.base import DetectorError
+from nvcore.subjects.detectors.icf.displays import MOST_CELLS, map_at, window_of, window_path
+from nvcore.subjects.detectors.registry import open_detector
 from ui.confined.process import MODELS, Allowance, Process
-from ui.detectors.confined import ConfinedDetector, DetectorSpec, describe, find, on_model
+from ui.subjects.detectors.confined import ConfinedDetector, DetectorSpec, describe, find, on_model
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,9 @@ def test_several_threads_get_what_the_detector_gives(model: Path):
 
 
 def test_what_takes_too_long_is_stopped_in_words(model: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("ui.detectors.confined.MODELS", Allowance(memory_mb=3000, seconds=0.001))
+    monkeypatch.setattr(
+        "ui.subjects.detectors.confined.MODELS", Allowance(memory_mb=3000, seconds=0.001)
+    )
     spec = DetectorSpec(str(model))
     with (
         closing(ConfinedDetector(spec, open_detector(model).about)) as confined,

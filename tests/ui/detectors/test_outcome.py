@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from nvcore.dataset import Dataset
-from nvcore.detectors.base import Detections
+from nvcore.dataset.schema import DetectionState
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
 from nvcore.metrics.matching import match_system
-from nvcore.params import Params
-from nvcore.schema import DetectionState
+from nvcore.settings.params import Params
+from nvcore.subjects.detectors.base import Detections
 from pages import FRAMES, write
-from ui.detectors.outcome import Outcome, outcome_of
+from ui.subjects.detectors.outcome import Outcome, outcome_of
 
 PICTURE = np.zeros((240, 320), np.uint8)
 """Half as large as the recording."""

@@ -12,9 +12,9 @@ from onnx_models import blob_model
 from streamlit.testing.v1 import AppTest
 
 from nvcore.auditing import audit
+from nvcore.common.findings import Severity
 from nvcore.dataset.provenance import read_provenance
-from nvcore.detectors.icf.model import fingerprint, from_bytes
-from nvcore.findings import Severity
+from nvcore.subjects.detectors.icf.model import fingerprint, from_bytes
 from pages import (
     FRAMES,
     begin_with,
@@ -29,9 +29,9 @@ from pages import (
     write,
 )
 from ui.access.files import LocalRoot
-from ui.detectors import run, trial
-from ui.detectors.confined import DetectorSpec
 from ui.session.store import DETECTOR_BOX, DETECTOR_LEVELS, NEXT_PAGE
+from ui.subjects.detectors import run, trial
+from ui.subjects.detectors.confined import DetectorSpec
 from ui.widgets.models import models_below
 
 PEOPLE = {"recording": "urban_crossing", "frame": "120"}
@@ -49,8 +49,11 @@ def send(page: AppTest, name: str, content: bytes) -> AppTest:
 
 def parts(detector: str = "", **address: str) -> AppTest:
     """The choice, of this detector if any is named, the frame, and the run."""
-    on_screen = "None if spec is None else ui.detectors.frame.draw(spec)"
-    calls = "spec = ui.detectors.choose.draw()", f"ui.detectors.run.draw_last({on_screen})"
+    on_screen = "None if spec is None else ui.subjects.detectors.frame.draw(spec)"
+    calls = (
+        "spec = ui.subjects.detectors.choose.draw()",
+        f"ui.subjects.detectors.run.draw_last({on_screen})",
+    )
     page = part(*calls, **address)
     if detector:
         page.session_state["detector"] = detector
@@ -213,7 +216,7 @@ def test_a_sent_model_is_described_and_shows_its_inside(model: bytes):
 
 
 def test_what_is_no_model_is_refused_in_words():
-    page = checked(part("ui.detectors.choose.draw()").run())
+    page = checked(part("ui.subjects.detectors.choose.draw()").run())
     for content, words in {
         b"PK\3\4 and so on": "bars.npz: is not a detector that nvcore train wrote, or is damaged",
         b"frame,x,y\n": "bars.npz: is text, no model; send a model that nvcore train wrote (.npz)",
@@ -300,7 +303,7 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     (finding,) = [item for item in audit(dataset) if item.code == "trained-on-tested"]
     assert finding.severity is Severity.ERROR
     # and back
-    page = checked(part("ui.detectors.run.draw_way_back()", space=space).run())
+    page = checked(part("ui.subjects.detectors.run.draw_way_back()", space=space).run())
     press(page, "before_detector")
     assert space.opened.label == "Sample recordings"
     assert space.opened.dataset.systems == ("FIR", "NIR", "NIR 2")

@@ -9,14 +9,14 @@ import pandas as pd
 from inputs import drive, session_of
 
 from nvcore.dataset.provenance import About
-from nvcore.detectors.run import DetectorRun, RecordingRun
-from nvcore.detectors.writing import write_detections
 from nvcore.inputs.load import load
-from ui.detectors.confined import DetectorSpec
-from ui.detectors.run import RunSettings, differences_of, with_system
-from ui.detectors.trial import Levels
-from ui.export.session import inputs_beside, portable_session
+from nvcore.subjects.detectors.running.run import DetectorRun, RecordingRun
+from nvcore.subjects.detectors.running.writing import write_detections
 from ui.session.uploads import ANNOTATION_FOLDERS
+from ui.subjects.detectors.confined import DetectorSpec
+from ui.subjects.detectors.run import RunSettings, differences_of, with_system
+from ui.subjects.detectors.trial import Levels
+from ui.views.export.session import inputs_beside, portable_session
 
 ABOUT = About("hog", "HOG", ("pedestrian",), {"stride": 8}, "5f1c")
 

@@ -9,7 +9,7 @@ from places import ROOT
 from streamlit.testing.v1 import AppTest
 
 from pages import checked, scripted
-from ui.documentation.page import PAGES, in_app_links, sections_of, split_sections
+from ui.views.documentation.page import PAGES, in_app_links, sections_of, split_sections
 
 PAGE = f"import runpy\nrunpy.run_path({str(ROOT / 'pages' / 'metrics.py')!r})\n"
 ANCHORS = {page: {section.anchor for section in sections_of(page)} for page in PAGES}

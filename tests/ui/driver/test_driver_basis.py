@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 from driver_estimators import CONTRAST, estimator
 
-from nvcore.driver.features import FEATURE_KEYS
-from ui.driver.basis import (
+from nvcore.subjects.driver.features import FEATURE_KEYS
+from ui.subjects.driver.basis import (
     NO_FEATURE,
     NO_PICTURE,
     NO_VALUE,

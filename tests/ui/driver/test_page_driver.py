@@ -15,14 +15,14 @@ from held_estimate import FORM, Held, send, sent
 from picture_files import write_picture
 from streamlit.testing.v1 import AppTest
 
-from nvcore.driver.comparison.judging import DriverRegion
-from nvcore.driver.comparison.steps import driver_in
-from nvcore.driver.face import estimate_driver
-from nvcore.driver.inputs.record import EstimateRecord
-from nvcore.driver.writing import WrittenEstimates
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
 from nvcore.inputs.session import Session, Source
 from nvcore.report.verdict import verdict
+from nvcore.subjects.driver.calls.python import estimate_driver
+from nvcore.subjects.driver.comparison.judging import DriverRegion
+from nvcore.subjects.driver.comparison.steps import driver_in
+from nvcore.subjects.driver.inputs.record import EstimateRecord
+from nvcore.subjects.driver.running.writing import WrittenEstimates
 from pages import (
     FRAMES,
     TIMEOUT_S,
@@ -39,22 +39,22 @@ from pages import (
     to_page,
     write,
 )
-from ui.driver import run
-from ui.driver.run import lost_words, with_estimates
 from ui.jobs.background import BackgroundJob
 from ui.session import state, uploads
 from ui.session.store import DRIVER_REGION, ENCOUNTER
 from ui.session.workspace import Workspace
+from ui.subjects.driver import run
+from ui.subjects.driver.run import lost_words, with_estimates
 from ui.widgets import drawing
 
-LIST = "ui.driver.listed.draw(RESULT, ui.driver.regions.draw(RESULT))"
-ONE = f"ui.driver.course.draw(RESULT, {LIST})"
+LIST = "ui.subjects.driver.listed.draw(RESULT, ui.subjects.driver.regions.draw(RESULT))"
+ONE = f"ui.subjects.driver.course.draw(RESULT, {LIST})"
 """Who sees whom, the list, and the pedestrian that is chosen in it."""
 
 
 def course(encounter: int = 0, *, space: Workspace | None = None, **address: str) -> AppTest:
     """The part of one pedestrian."""
-    call = f"ui.driver.course.draw(RESULT, {encounter})"
+    call = f"ui.subjects.driver.course.draw(RESULT, {encounter})"
     return checked(part(call, space=space, **address).run())
 
 
@@ -246,7 +246,7 @@ def estimates(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
 def test_an_estimator_that_was_sent_is_run_and_says_whom_the_driver_sees(visible):
     form = sent(visible)
     space = estimated(form)
-    page = checked(part("ui.driver.run.draw_notes()", LIST, space=space).run())
+    page = checked(part("ui.subjects.driver.run.draw_notes()", LIST, space=space).run())
     regions, encounters = tables(page)
     counts = dict(zip(regions["who"], regions["encounters"], strict=True))
     assert {who: n for who, n in counts.items() if n} == {"driver, X and Y": 1, "X alone": 1}
@@ -281,7 +281,7 @@ def test_the_form_is_folded_beside_estimates_and_open_while_it_is_at_work(
 
     begin_with(small_estimator.write_session(tmp_path, stated=0.1), monkeypatch)
     monkeypatch.setattr(run, "run_confined", wait)
-    page = sent(tmp_path, "ui.driver.run.draw(is_known=True)")
+    page = sent(tmp_path, "ui.subjects.driver.run.draw(is_known=True)")
     assert not fold(page).expanded
     assert fold(press(page, "driver_estimate")).expanded
     may_end.set()

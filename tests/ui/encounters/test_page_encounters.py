@@ -12,17 +12,17 @@ from streamlit.testing.v1 import AppTest
 
 import pages
 from pages import alone, begin_with, checked, part, press, session, shown, space_of, tables, texts
-from ui.encounters import details, figures, table
-from ui.encounters.address import Choice, from_address, to_address
-from ui.encounters.filters import Filters
-from ui.encounters.order import Order
 from ui.session.chosen import encounter_of, name_of
 from ui.session.store import ENCOUNTER
-from ui.time_left import encounter
+from ui.subjects.time_left import encounter
+from ui.views.encounters import details, figures, table
+from ui.views.encounters.address import Choice, from_address, to_address
+from ui.views.encounters.filters import Filters
+from ui.views.encounters.order import Order
 from ui.widgets import table_columns
 
 ALL = "nvcore.tables.result.encounters_table(RESULT)"
-FILTERS = f"st.session_state['matching'] = ui.encounters.filters.draw(RESULT, {ALL})[1]"
+FILTERS = f"st.session_state['matching'] = ui.views.encounters.filters.draw(RESULT, {ALL})[1]"
 RECORDINGS = ["rural_road", "urban_crossing"]
 
 
@@ -35,7 +35,7 @@ def opened(section: str | None = None, **link: str) -> AppTest:
 
 def one(row: int = 0) -> AppTest:
     """The part of one encounter, beside the list."""
-    return checked(part(f"ui.encounters.details.draw(RESULT, {ALL}, {row})").run())
+    return checked(part(f"ui.views.encounters.details.draw(RESULT, {ALL}, {row})").run())
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +74,7 @@ def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first(pag
     assert "encounters_clear" not in [button.key for button in page.button]
     assert "X misses 8 and Y misses 11" not in texts(page)  # folded
     assert list(rows) == list(table.FIRST_COLUMNS)  # until all are asked for
-    more = part(f"ui.encounters.table.draw({ALL}, 0)")
+    more = part(f"ui.views.encounters.table.draw({ALL}, 0)")
     more.session_state["encounters_columns"] = True
     columns = {*listed(checked(more.run()))}
     assert {"lag_s_y", "gap_s_x", "tail_s_x", "peak_k", "aspect_z", "occluded_share"} <= columns
@@ -361,7 +361,7 @@ def test_a_distant_encounter_has_no_severity_and_else_dashes():
 
 
 def test_an_encounter_that_was_chosen_in_other_data_is_forgotten():
-    page = part(f"st.text(ui.encounters.selection.shown(RESULT, {ALL}))")
+    page = part(f"st.text(ui.views.encounters.selection.shown(RESULT, {ALL}))")
     page.session_state[ENCOUNTER.key] = (0, "winter_frost:1")
     assert checked(page.run()).text[0].value == "0"
 
@@ -385,7 +385,7 @@ def test_without_pictures_the_boxes_are_drawn_and_distances_are_dashes(tmp_path,
 
 def test_the_column_of_recordings_is_left_out_where_there_is_one(tmp_path, monkeypatch):
     begin_with(replace(session(tmp_path, "fir.csv", "nir.csv"), only=("urban",)), monkeypatch)
-    page = checked(part(f"ui.encounters.table.draw({ALL}, 0)").run())
+    page = checked(part(f"ui.views.encounters.table.draw({ALL}, 0)").run())
     assert list(tables(page)[0]) == list(table.FIRST_COLUMNS[1:])
     page.session_state["encounters_columns"] = True
     assert "recording" not in tables(checked(page.run()))[0]
@@ -397,7 +397,10 @@ def test_of_very_many_encounters_the_first_are_listed_and_a_fusion_waits_to_be_a
     monkeypatch.setattr(table, "MOST_ROWS", 20)
     monkeypatch.setattr(table_columns, "MOST_ROWS", 20)
     monkeypatch.setattr(figures, "MANY_BOXES", 1000)
-    calls = f"ui.encounters.table.draw({ALL}, 0)", "ui.encounters.figures.draw_fusion(RESULT)"
+    calls = (
+        f"ui.views.encounters.table.draw({ALL}, 0)",
+        "ui.views.encounters.figures.draw_fusion(RESULT)",
+    )
     page = checked(part(*calls).run())
     assert len(listed(page)) == 20
     assert "The first 20 of 46 are listed" in texts(page)

@@ -11,11 +11,11 @@ import pytest
 from export_page import downloads, job_of, opened, uploaded_drive
 from streamlit.testing.v1 import AppTest
 
-from nvcore.errors import InputError
-from nvcore.protocols import PROTOCOLS
+from nvcore.common.errors import InputError
+from nvcore.settings.protocols import PROTOCOLS
 from pages import checked, press
-from ui.export.html import NAME
 from ui.jobs.background import JobState
+from ui.views.export.html import NAME
 
 
 @pytest.fixture
@@ -41,7 +41,9 @@ def is_of_other_settings(page: AppTest) -> bool:
 def test_the_report_is_made_and_offered_and_names_no_folder_of_the_machine(
     page, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("ui.export.html.AT_ONCE", 10)  # without the maps, which take their time
+    monkeypatch.setattr(
+        "ui.views.export.html.AT_ONCE", 10
+    )  # without the maps, which take their time
     assert NAME not in downloads(page)
     page.text_input(key="html_title").set_value("Night drive")
     page.text_input(key="html_question").set_value("Which is safer?")
@@ -71,7 +73,7 @@ def written(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
         path.write_text("report")
         reports.append({"protocol": session.protocol.name, "stability": stability})
 
-    monkeypatch.setattr("ui.export.html.write_html_report", write)
+    monkeypatch.setattr("ui.views.export.html.write_html_report", write)
     return reports
 
 
@@ -90,7 +92,7 @@ def test_a_report_made_with_other_settings_says_so_and_goes_when_there_is_a_new_
 
 def test_with_many_frames_the_stability_map_is_made_when_asked_for(page, written, monkeypatch):
     assert not [toggle for toggle in page.toggle if toggle.key == "html_stability"]
-    monkeypatch.setattr("ui.export.html.AT_ONCE", 10)
+    monkeypatch.setattr("ui.views.export.html.AT_ONCE", 10)
     checked(page.run())
     assert page.toggle(key="html_stability").value is False
     made(page)
@@ -109,7 +111,7 @@ def test_a_report_that_fails_or_is_cancelled_is_told(page, monkeypatch, error, m
     def fail(*_arguments: object, **_options: object) -> None:
         raise error
 
-    monkeypatch.setattr("ui.export.html.write_html_report", fail)
+    monkeypatch.setattr("ui.views.export.html.write_html_report", fail)
     made(page)
     assert [text.value for text in (*page.error, *page.info)] == [message]
     assert NAME not in downloads(page)

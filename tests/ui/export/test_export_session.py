@@ -15,23 +15,23 @@ from places import DATA
 from sent_files import Sent
 
 from nvcore.auditing import audit
-from nvcore.comparison import Result, compare
+from nvcore.common.findings import Finding, Severity
+from nvcore.comparison.compare import Result, compare
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, Severity
-from nvcore.inputs.changes import live_session
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.changes import live_session
+from nvcore.inputs.session.toml import read_session
 from nvcore.report.files import export_files, report_zip
-from ui.export.session import (
+from ui.session.opening import public_text, uploaded_session
+from ui.session.uploads import new_upload, store_annotations
+from ui.session.workspace import Workspace
+from ui.views.export.session import (
     inputs_beside,
     portable_session,
     public_findings,
     with_public_names,
 )
-from ui.session.opening import public_text, uploaded_session
-from ui.session.uploads import new_upload, store_annotations
-from ui.session.workspace import Workspace
 
 TABLES = ("frames", "encounters", "events", "intervals", "recordings")
 

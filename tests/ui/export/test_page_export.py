@@ -24,19 +24,19 @@ from places import ROOT
 from streamlit.testing.v1 import AppTest
 
 import nvcore
-from nvcore.comparison import Result
-from nvcore.driver.comparison.steps import driver_in
-from nvcore.overlay import write_video
-from nvcore.overlay.annotate import annotate
-from nvcore.overlay.brush import Canvas
-from nvcore.progress import Progress
+from nvcore.common.progress import Progress
+from nvcore.comparison.compare import Result
+from nvcore.figures.overlay import write_video
+from nvcore.figures.overlay.annotate import annotate
+from nvcore.figures.overlay.brush import Canvas
 from nvcore.report.files import REPORT_CONTENTS
+from nvcore.subjects.driver.comparison.steps import driver_in
 from pages import TIMEOUT_S, begin_with, checked, press, texts
-from ui.export.frame import file_stem
-from ui.export.link import link
-from ui.export.session import with_public_names
-from ui.export.video import LONGEST_S, Interval, chosen_interval, why_not
 from ui.jobs.background import BackgroundJob, JobState
+from ui.views.export.frame import file_stem
+from ui.views.export.link import link
+from ui.views.export.session import with_public_names
+from ui.views.export.video import LONGEST_S, Interval, chosen_interval, why_not
 from ui.widgets.recording import nearest_row
 
 
@@ -92,7 +92,7 @@ def test_files_are_named_without_folders_when_they_are_made_and_not_in_each_run(
         return renamed[-1]
 
     monkeypatch.setattr("streamlit.delta_generator.DeltaGenerator.download_button", noted)
-    monkeypatch.setattr("ui.export.report.with_public_names", renamed_by)
+    monkeypatch.setattr("ui.views.export.report.with_public_names", renamed_by)
     opened("report", space=uploaded_drive(tmp_path))
     assert not renamed
     assert str(tmp_path) not in made[-1]().decode()  # no page is drawn any more
@@ -182,7 +182,7 @@ def test_the_picture_of_a_frame_is_that_of_the_timeline(
         shown.append(index)
         return annotate(result, pictures, index, row, **options)
 
-    monkeypatch.setattr("ui.export.frame.annotate", drawn)
+    monkeypatch.setattr("ui.views.export.frame.annotate", drawn)
     page = opened("frame", recording="rural_child", frame="120")
     space = page.session_state["workspace"]
     place, _ = page.session_state["place"]
@@ -251,7 +251,7 @@ def test_an_interval_without_frames_is_told():
 
 
 def test_an_interval_that_is_too_long_cannot_be_made(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("ui.export.video.LONGEST_S", 5.0)
+    monkeypatch.setattr("ui.views.export.video.LONGEST_S", 5.0)
     page = opened("video")
     assert "at most 5 s" in texts(page)
     assert page.button(key="make_video").disabled
@@ -266,7 +266,7 @@ def test_a_video_of_the_timelines_pictures_is_made_in_the_background_and_offered
         given.append(indices)
         write_video(*positional, indices=indices, **named)
 
-    monkeypatch.setattr("ui.export.video.write_video", written)
+    monkeypatch.setattr("ui.views.export.video.write_video", written)
     page = opened("video", recording="rural_child", frame="0")
     (end,) = [field for field in page.number_input if field.label == "To (s)"]
     checked(end.set_value(0.45).run())

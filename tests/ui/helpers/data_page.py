@@ -16,11 +16,11 @@ from pages import checked, part, press, space_of
 from ui.session.uploads import receive
 
 READING = (
-    "ui.data.opening.draw_outcome()", "ui.data.choose.draw()", "ui.data.audit.findings.draw()",
-    "ui.data.inputs.draw()",
+    "ui.views.data.opening.draw_outcome()", "ui.views.data.choose.draw()",
+    "ui.views.data.audit.findings.draw()", "ui.views.data.inputs.draw()",
 )  # fmt: skip
 """What files can be opened with, and what is found and read in them."""
-COMPARING = ("ui.data.compare.draw()", "ui.shell.sidebar.draw(wrong, pages.PAGE_OF['data'])")
+COMPARING = ("ui.views.data.compare.draw()", "ui.shell.sidebar.draw(wrong, pages.PAGE_OF['data'])")
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
 ASKED = {"width": 640, "height": 480, "fps": 20.0}
 """What the page asks of files that say none of it."""

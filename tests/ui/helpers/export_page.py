@@ -14,11 +14,11 @@ from pages import checked, part
 from ui.session.workspace import Opened, Workspace
 
 PARTS = {
-    "link": "ui.export.link.draw()",
-    "report": "ui.export.report.draw(RESULT)",
-    "html": "ui.export.html.draw(RESULT)",
-    "frame": "ui.export.frame.choose_frame(RESULT)\nui.export.frame.draw(RESULT)",
-    "video": "ui.export.video.draw(RESULT)",
+    "link": "ui.views.export.link.draw()",
+    "report": "ui.views.export.report.draw(RESULT)",
+    "html": "ui.views.export.html.draw(RESULT)",
+    "frame": "ui.views.export.frame.choose_frame(RESULT)\nui.views.export.frame.draw(RESULT)",
+    "video": "ui.views.export.video.draw(RESULT)",
     "swap": "ui.shell.systems.draw()",
 }
 SYSTEMS = (SystemSource(("fir.csv",), name="fir"), SystemSource(("nir.csv",), name="nir"))

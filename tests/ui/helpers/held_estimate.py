@@ -10,13 +10,13 @@ import small_estimator
 import streamlit as st
 from streamlit.testing.v1 import AppTest
 
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
 from pages import TIMEOUT_S, checked, part, press, space_of
-from ui.driver import run
+from ui.subjects.driver import run
 
-TAKE_OVER = "ui.driver.run.take_over()"
+TAKE_OVER = "ui.subjects.driver.run.take_over()"
 """What the app does once any page is drawn."""
-FORM = ("ui.driver.run.draw(is_known=False)", TAKE_OVER)
+FORM = ("ui.subjects.driver.run.draw(is_known=False)", TAKE_OVER)
 
 
 def sent(folder: Path, *calls: str, **kind: float) -> AppTest:
@@ -52,7 +52,7 @@ class Held:
 
     def beside(self, page: str) -> AppTest:
         """What is said of the estimate beside this page."""
-        aside = f"ui.driver.run.draw_aside({page!r})"
+        aside = f"ui.subjects.driver.run.draw_aside({page!r})"
         return checked(part(aside, TAKE_OVER, space=self.space).run())
 
     def ends(self) -> None:

@@ -60,7 +60,7 @@ def alone(name: str, **address: str) -> AppTest:
 
 
 def part(*calls: str, space: Workspace | None = None, **address: str) -> AppTest:
-    """Parts of a page by themselves: calls such as "ui.saliency.figures.draw_numbers(RESULT)".
+    """Parts of a page by themselves: "ui.views.saliency.figures.draw_numbers(RESULT)".
 
     In this workspace, where one is given.
     """

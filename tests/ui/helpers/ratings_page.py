@@ -7,14 +7,14 @@ from places import ROOT
 from streamlit.testing.v1 import AppTest
 
 from pages import checked, part, tables, texts
-from ui.ratings import source
+from ui.subjects.ratings import source
 
 SIMULATED = ROOT / "sample_data" / "ratings_simulated.csv"
 
 
 def opened(**address: str) -> AppTest:
     """The results."""
-    return checked(part("ui.ratings.results.draw(RESULT)", **address).run())
+    return checked(part("ui.subjects.ratings.results.draw(RESULT)", **address).run())
 
 
 def words(page: AppTest) -> str:

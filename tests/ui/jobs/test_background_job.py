@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from builders import at, make_dataset
 
-from nvcore.errors import MediaError
+from nvcore.common.errors import MediaError
+from nvcore.common.progress import Progress, no_progress
 from nvcore.inputs.session import Session, Source
-from nvcore.progress import Progress, no_progress
 from pages import TIMEOUT_S
 from ui.jobs import background
 from ui.jobs.background import BackgroundJob, JobState

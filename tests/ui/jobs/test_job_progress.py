@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from nvcore.errors import ParameterError
-from nvcore.findings import Remedy, Step
+from nvcore.common.errors import ParameterError
+from nvcore.common.findings import Remedy, Step
 from pages import checked, scripted
 from ui.jobs.background import JobState
 

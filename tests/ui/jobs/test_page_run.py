@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 from builders import at, make_dataset
 
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
 from nvcore.inputs.session import Session, Source
 from ui.jobs.background import BackgroundJob
 from ui.jobs.page_run import PageRun, open_written

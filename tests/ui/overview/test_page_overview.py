@@ -10,22 +10,22 @@ import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
 from nvcore.evidence.table import evidence_table
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.tables.moments import worst_moments
 from pages import checked, figures, measures, opened, part, press, tables, texts, to_page
 from ui.jobs import companions
-from ui.overview import evidence as evidence_page
-from ui.overview import moments, venn
-from ui.overview import verdict as verdict_page
-from ui.overview.moments import window_row
-from ui.overview.scorecard import Scorecard
 from ui.session import results
+from ui.views.overview import evidence as evidence_page
+from ui.views.overview import moments, venn
+from ui.views.overview import verdict as verdict_page
+from ui.views.overview.moments import window_row
+from ui.views.overview.scorecard import Scorecard
 from ui.widgets.drawing import cut_out
 
-VENN = "ui.overview.venn.draw(RESULT)"
-WORST = "ui.overview.venn.draw_worst(RESULT)"
+VENN = "ui.views.overview.venn.draw(RESULT)"
+WORST = "ui.views.overview.venn.draw_worst(RESULT)"
 EVIDENCE = "ui.session.results.measure_evidence(RESULT)"
 
 
@@ -43,7 +43,7 @@ def page() -> AppTest:
 
 def closer(name: str, *calls: str, **address: str) -> AppTest:
     """What one looks at closer."""
-    page = part(*calls, f"ui.overview.more.draw(RESULT, {EVIDENCE}, None)", **address)
+    page = part(*calls, f"ui.views.overview.more.draw(RESULT, {EVIDENCE}, None)", **address)
     page.session_state["overview_more"] = name
     return checked(page.run())
 
@@ -81,7 +81,7 @@ def test_four_tiles_say_what_is_shown_and_the_better_value_has_a_mark(page: AppT
     (table,) = [item.proto.body for item in page.get("html") if 'nv-scorecard"' in item.proto.body]
     assert '<td class="x better">30</td><td class="y">27</td>' in table
     assert table.count("<tr") == 1 + 8
-    unfolded = part(f"ui.overview.scorecard.Scorecard(RESULT).draw({EVIDENCE})")
+    unfolded = part(f"ui.views.overview.scorecard.Scorecard(RESULT).draw({EVIDENCE})")
     unfolded.session_state["all_measures"] = True
     every = measures(checked(unfolded.run()), "all_measures")
     assert every["largest event of all (s) ↓"] == ("3.813", "3.491", "+0.322")

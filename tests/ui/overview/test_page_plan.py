@@ -8,13 +8,13 @@ from streamlit.testing.v1 import AppTest
 
 from pages import begin_with, checked, figures, opened, part, session, texts
 from ui.jobs.background import JobState
-from ui.overview import plan
+from ui.views.overview import plan
 
 
 def alone() -> AppTest:
     """The question by itself."""
     evidence = "ui.session.results.measure_evidence(RESULT)"
-    return checked(part(f"ui.overview.plan.draw(RESULT, {evidence}, None)").run())
+    return checked(part(f"ui.views.overview.plan.draw(RESULT, {evidence}, None)").run())
 
 
 def asked(app: AppTest) -> AppTest:

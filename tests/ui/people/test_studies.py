@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-import ui.people.studies
-from ui.people.studies import Studies, is_local
+import ui.subjects.people.studies
+from ui.subjects.people.studies import Studies, is_local
 
 
 @pytest.mark.parametrize(
@@ -25,7 +25,7 @@ def test_answers_are_in_the_file_of_the_variable_else_in_the_users_folder(monkey
     class Toy(Studies):
         variable, file_name = "TOY_ANSWERS", "toy.sqlite"
 
-    monkeypatch.setattr(ui.people.studies.click, "get_app_dir", lambda _: str(tmp_path))
+    monkeypatch.setattr(ui.subjects.people.studies.click, "get_app_dir", lambda _: str(tmp_path))
     monkeypatch.delenv("TOY_ANSWERS", raising=False)
     assert Toy().file() == tmp_path / "toy.sqlite"
     monkeypatch.setenv("TOY_ANSWERS", str(tmp_path / "other.sqlite"))

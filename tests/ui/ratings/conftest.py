@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nvcore.comparison import Result
-from nvcore.ratings import fit as fitting
-from nvcore.ratings.agreement import Agreement, measure_agreement
-from nvcore.ratings.validation import correlate
-from ui.ratings import fit, results
+from nvcore.comparison.compare import Result
+from nvcore.subjects.ratings import fit as fitting
+from nvcore.subjects.ratings.agreement import Agreement, measure_agreement
+from nvcore.subjects.ratings.validation import correlate
+from ui.subjects.ratings import fit, results
 
 _made: dict[Any, Any] = {}
 

@@ -7,12 +7,12 @@ from io import BytesIO
 import pandas as pd
 from ratings_page import SIMULATED, from_file, metrics, opened, table, words
 
-from nvcore.output.csv_text import to_csv_bytes
-from nvcore.ratings.agreement import rank_ratings
-from nvcore.ratings.drivers import DRIVERS, RatingDrivers
-from nvcore.ratings.reading import read_ratings
+from nvcore.common.output.csv_text import to_csv_bytes
+from nvcore.subjects.ratings.agreement import rank_ratings
+from nvcore.subjects.ratings.drivers import DRIVERS, RatingDrivers
+from nvcore.subjects.ratings.reading import read_ratings
 from pages import checked, press
-from ui.ratings import drivers, results
+from ui.subjects.ratings import drivers, results
 
 CONTRARY = "P12"
 

@@ -9,15 +9,15 @@ import pytest
 from ratings_page import words
 
 from pages import alone, begin_with, checked, part, rows, tables, write
-from ui.ratings import groups
 from ui.session.store import RATINGS_PART
+from ui.subjects.ratings import groups
 
 MEANS = "condition,n,mean,sd\nvisual,11,1678,755.1\naudio,11,2171,766.2\nhaptic,11,1245,389.5\n"
 """Reaction times of docs/groups.md."""
 
 
 def test_groups_of_a_file_are_compared_as_the_command_does():
-    page = checked(part("ui.ratings.groups.draw()").run())
+    page = checked(part("ui.subjects.ratings.groups.draw()").run())
     assert not page.subheader
     sent = ("means.csv", MEANS.encode(), "text/csv")
     checked(page.file_uploader(key="groups_file").set_value(sent).run())

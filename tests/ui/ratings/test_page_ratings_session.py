@@ -20,16 +20,16 @@ from ratings_page import (
 )
 from streamlit.testing.v1 import AppTest
 
-from nvcore.alerts.steps import alerts_in
-from nvcore.inputs.session_toml import read_session
-from nvcore.output.csv_text import to_csv_bytes
-from nvcore.ratings.clip_task import Clip, RatingStore, RatingStudy, Shown
-from nvcore.ratings.worth import read_alerts
+from nvcore.common.output.csv_text import to_csv_bytes
+from nvcore.inputs.session.toml import read_session
+from nvcore.subjects.alerts.steps import alerts_in
+from nvcore.subjects.ratings.clip_task import Clip, RatingStore, RatingStudy, Shown
+from nvcore.subjects.ratings.worth import read_alerts
 from pages import alone, begin_with, checked, part, press, rows, write
-from ui.people import conduct
-from ui.ratings import clip_screen, source
 from ui.session import state
 from ui.session.store import RATING_ALERTS
+from ui.subjects.people import conduct
+from ui.subjects.ratings import clip_screen, source
 from ui.widgets import viewer
 
 STRANGE = "there is no rating session of the name in the address"
@@ -44,7 +44,10 @@ def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RatingStore:
 
 
 def drawn(side: str) -> tuple[str, str]:
-    return "from ui.ratings import sessions", f"ui.people.{side}.draw(sessions.SESSIONS)"
+    return (
+        "from ui.subjects.ratings import sessions",
+        f"ui.subjects.people.{side}.draw(sessions.SESSIONS)",
+    )
 
 
 def joined(store: RatingStore, study: RatingStudy, name: str) -> str:
@@ -146,7 +149,7 @@ def test_the_conductor_comes_back_to_progress_and_to_the_thresholds_of_the_clips
         "participants": "2", "have rated all clips": "1", "ratings so far": "11",
     }  # fmt: skip
     assert table(page, "n_rated")["n_rated"].tolist() == [6, 5]
-    call, address = "ui.ratings.source.choose(RESULT)", {"conduct": study.conductor}
+    call, address = "ui.subjects.ratings.source.choose(RESULT)", {"conduct": study.conductor}
     page = show_source(checked(part(call, **address, threshold_x="0.7").run()), source.SESSION)
     assert "X FIR: clips at 0.5, now 0.7." in warnings(page)
     press(page, "ratings_thresholds")

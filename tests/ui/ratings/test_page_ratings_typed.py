@@ -8,7 +8,7 @@ from ratings_page import metrics, opened, show_source, warnings, words
 from streamlit.testing.v1 import AppTest
 
 from pages import checked
-from ui.ratings import source, typed
+from ui.subjects.ratings import source, typed
 
 
 class Editor:

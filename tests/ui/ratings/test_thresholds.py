@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ui.ratings import thresholds
+from ui.subjects.ratings import thresholds
 
 
 @pytest.mark.parametrize(

@@ -7,16 +7,16 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from pages import begin_with, checked, part, session, shown, tables, texts
-from ui.saliency import events, figures
+from ui.views.saliency import events, figures
 
 NUMBERS = (
-    "st.caption(ui.saliency.figures.what_it_is(state.params()))",
-    "ui.saliency.figures.draw_numbers(RESULT)",
+    "st.caption(ui.views.saliency.figures.what_it_is(state.params()))",
+    "ui.views.saliency.figures.draw_numbers(RESULT)",
 )
 EVENTS = (
-    "ui.saliency.events.open_asked()",
-    "ui.saliency.figures.draw_recordings(RESULT)",
-    "ui.saliency.events.draw_table(RESULT, ui.saliency.events.choose_recording())",
+    "ui.views.saliency.events.open_asked()",
+    "ui.views.saliency.figures.draw_recordings(RESULT)",
+    "ui.views.saliency.events.draw_table(RESULT, ui.views.saliency.events.choose_recording())",
 )
 
 

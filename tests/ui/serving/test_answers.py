@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from nvcore.ratings.clip_task import RatingStore
+from nvcore.subjects.ratings.clip_task import RatingStore
 from ui.serving import life
 
 BEGUN = datetime.now(UTC) - timedelta(days=10)

@@ -9,7 +9,7 @@ from filelock import FileLock
 from inputs import write
 from places import SAMPLE
 
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
 from ui.serving.life import check_start
 from ui.session.lifetime import base_folder, process_folder
 from ui.settings.limits import limits_of_environment

@@ -14,7 +14,7 @@ from asgi import Answer, ask
 from starlette.responses import PlainTextResponse
 from starlette.types import Receive, Scope, Send
 
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
 from ui.serving import life, visitors
 from ui.serving.headers import SecureHeaders
 from ui.serving.visitors import METRICS_TOKEN, TRY_AGAIN_LATER, VisitorLimits

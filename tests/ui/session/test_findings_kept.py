@@ -7,7 +7,7 @@ from streamlit.testing.v1 import AppTest
 from nvcore import auditing
 from nvcore.auditing import audit, audit_inputs
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
 from pages import TIMEOUT_S
 from ui.session.state import SAMPLE
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nvcore.params import Params
+from nvcore.settings.params import Params
 from ui.session.address import changed_parameters, read_parameters, read_place, read_systems
 
 NAMES = ["a", "b"]

@@ -10,8 +10,8 @@ import pytest
 from builders import at, make_dataset
 from inputs import write
 
-from nvcore.errors import InputError, SessionError
-from nvcore.findings import Finding, Severity
+from nvcore.common.errors import InputError, SessionError
+from nvcore.common.findings import Finding, Severity
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Source, SystemSource
 from ui.access.files import check_confined
 from ui.confined import reading

@@ -10,8 +10,8 @@ import pytest
 from builders import NAN, at, make_dataset, result_of
 from scenes import three_frames
 
-from nvcore.comparison import Result, compare
-from nvcore.schema import DetectionState
+from nvcore.comparison.compare import Result, compare
+from nvcore.dataset.schema import DetectionState
 from ui.session.packed_comparison import (
     BIT_IGNORE,
     BIT_MATCHED_X,

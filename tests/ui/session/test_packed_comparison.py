@@ -7,7 +7,7 @@ from dataclasses import replace
 from places import SAMPLE
 
 import nvcore as nv
-from nvcore.comparison import compare
+from nvcore.comparison.compare import compare
 from ui.session.packed_comparison import pack_comparison, version_of
 
 

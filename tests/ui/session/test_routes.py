@@ -17,7 +17,7 @@ from asgi import ask, asked, put
 from builders import at, make_dataset, result_of
 from starlette.concurrency import run_in_threadpool
 
-from nvcore.errors import MediaError
+from nvcore.common.errors import MediaError
 from nvcore.pictures.recordings import RecordingPictures
 from ui.session.packed_comparison import pack_boxes, version_of
 from ui.session.routes import PLOTLY, ROWS_PER_CHUNK, address, routes_below

@@ -10,9 +10,9 @@ import pytest
 from places import SAMPLE
 from streamlit.testing.v1 import AppTest
 
-from nvcore.errors import MediaError, NvcoreError
+from nvcore.common.errors import MediaError, NvcoreError
 from nvcore.pictures import Pictures, open_pictures, recordings
-from nvcore.protocols import PROTOCOLS
+from nvcore.settings.protocols import PROTOCOLS
 from pages import TIMEOUT_S, checked, session
 from ui.session import sample, state
 from ui.session.sample import SharedSample, sample_of, shared_sample

@@ -13,7 +13,7 @@ import pytest
 from builders import at, make_dataset
 from sent_files import Sent
 
-from nvcore.errors import InputError, MediaError
+from nvcore.common.errors import InputError, MediaError
 from nvcore.inputs.readers.meaning.names import NEUTRAL
 from nvcore.inputs.session import Session, Source
 from ui.session import uploads, workspace

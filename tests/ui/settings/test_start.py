@@ -9,10 +9,10 @@ from inputs import drive, write
 from places import SAMPLE
 
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.inputs.session_toml import read_session
+from nvcore.inputs.session.toml import read_session
 from pages import checked, opened, press, texts, to_page
-from ui.export.session import inputs_beside, portable_session
 from ui.settings.start import start_file
+from ui.views.export.session import inputs_beside, portable_session
 
 
 @pytest.fixture

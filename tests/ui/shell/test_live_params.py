@@ -12,9 +12,9 @@ from data_page import opened as data_opened
 from streamlit.testing.v1 import AppTest
 
 from nvcore.inputs.load import load
-from nvcore.inputs.session_toml import read_session
-from nvcore.params import SETTINGS, Params
-from nvcore.stages import MATCH, PROXIMITY, Stage
+from nvcore.inputs.session.toml import read_session
+from nvcore.settings.params import SETTINGS, Params
+from nvcore.settings.stages import MATCH, PROXIMITY, Stage
 from pages import FRAMES, begin_with, checked, opened, press, rows, shown, sidebar, texts, write
 from ui.session import settings
 from ui.session.sample import shown_in
@@ -185,7 +185,7 @@ def test_a_page_that_fails_leaves_the_parameters_as_they_were(monkeypatch: pytes
         raise IndexError("no such row")
 
     with monkeypatch.context() as patch:
-        patch.setattr("ui.overview.scorecard.Scorecard", fail)
+        patch.setattr("ui.views.overview.scorecard.Scorecard", fail)
         page.run()
         assert "a fault of the program" in page.error[0].value
         assert page.slider(key="alpha").value == 0.5

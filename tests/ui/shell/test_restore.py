@@ -13,14 +13,14 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.pictures.recordings import RecordingPictures
 from pages import TIMEOUT_S, checked, press, scripted, texts
-from ui.export import html
 from ui.jobs.background import JobState
-from ui.ratings import fit
 from ui.session import sample, state
 from ui.session.address import changed_parameters
 from ui.session.workspace import Workspace
 from ui.shell import tab
-from ui.stability import survey, verdict_map
+from ui.subjects.ratings import fit
+from ui.views.export import html
+from ui.views.stability import survey, verdict_map
 
 SCRIPT = """
 import streamlit as st
@@ -34,10 +34,10 @@ live_params.read()
 """
 PARTS = {
     "": "",
-    "map": "import ui.stability.verdict_map as map\nmap.draw(state.result())",
-    "ratings": "import ui.ratings.results as ratings\nratings.draw(state.result())",
-    "report": "import ui.export.html as report\nreport.draw(state.result())",
-    "protocol": "from ui.detection import protocol\nprotocol.choose(state.opened().dataset)",
+    "map": "import ui.views.stability.verdict_map as map\nmap.draw(state.result())",
+    "ratings": "import ui.subjects.ratings.results as ratings\nratings.draw(state.result())",
+    "report": "import ui.views.export.html as report\nreport.draw(state.result())",
+    "protocol": "from ui.views.detection import protocol\nprotocol.choose(state.opened().dataset)",
 }
 
 
@@ -191,7 +191,7 @@ def test_after_a_reload_a_map_can_be_cancelled(gated):
 
 
 def test_a_fit_goes_on_after_a_reload_and_fitted_settings_are_still_marked(gated, monkeypatch):
-    monkeypatch.setattr("nvcore.ratings.fit.HEIGHT_SHARES", (0.075,))  # few are tried
+    monkeypatch.setattr("nvcore.subjects.ratings.fit.HEIGHT_SHARES", (0.075,))  # few are tried
     gate = gated(fit, "fit_saliency")
     before = press(page("ratings"), "rating_fit")
     assert gate.is_reached.wait(TIMEOUT_S)

@@ -10,7 +10,7 @@ from inputs import drive, session_of
 from streamlit.testing.v1 import AppTest
 from streamlit.testing.v1.element_tree import NumberInput
 
-from nvcore.detection.operating_point import threshold_with_alarms
+from nvcore.metrics.detection.operating_point import threshold_with_alarms
 from pages import FRAMES, begin_with, checked, press, rows, shown, sidebar, texts, write
 from ui.shell import pages
 from ui.shell.operating_point import RATE, points

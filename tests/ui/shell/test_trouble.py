@@ -11,7 +11,7 @@ import pytest
 from data_page import PNG
 from streamlit.testing.v1 import AppTest
 
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
 from nvcore.inputs.load import load
 from nvcore.pictures.recordings import session_pictures
 from pages import checked, opened, press, scripted, session
@@ -24,7 +24,9 @@ from ui.shell.messages import shown_error
 
 def banner(error: str) -> str:
     """What the banner says of this error, which is Python."""
-    script = "from nvcore.errors import InputError\nfrom ui.shell.messages import error_banner\n"
+    script = (
+        "from nvcore.common.errors import InputError\nfrom ui.shell.messages import error_banner\n"
+    )
     (shown,) = scripted(f"{script}assert error_banner({error})").run().error
     return shown.value
 

@@ -9,7 +9,7 @@ from streamlit.testing.v1 import AppTest
 from pages import begin_with, part, session, tables
 from ui.jobs.background import JobState
 from ui.session import sample
-from ui.stability import survey, verdict_map
+from ui.views.stability import survey, verdict_map
 
 
 @pytest.fixture(autouse=True)
@@ -21,7 +21,7 @@ def no_survey(monkeypatch: pytest.MonkeyPatch) -> None:
             del shared._caches[kind]
 
 
-MAP = "ui.stability.verdict_map.draw(RESULT)"
+MAP = "ui.views.stability.verdict_map.draw(RESULT)"
 
 
 def opened(*calls: str) -> AppTest:
@@ -99,7 +99,7 @@ def test_single_frames_are_not_tested_as_if_they_were_persons(tmp_path, monkeypa
 
 
 def test_the_table_of_many_frames_is_made_on_a_wish():
-    page = opened("ui.stability.survey.draw(RESULT)")
+    page = opened("ui.views.stability.survey.draw(RESULT)")
     assert not tables(page)
     checked(page.button(key="stability_survey_start").click().run())
     job = page.session_state["workspace"].job(survey.RUN.name)

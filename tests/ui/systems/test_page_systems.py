@@ -9,7 +9,7 @@ from streamlit.testing.v1 import AppTest
 
 import pages
 from pages import FRAMES, begin_with, checked, press, rows, texts, to_page, write
-from ui.systems import matrix
+from ui.views.systems import matrix
 
 
 def detections(n_frames: int, *, score: float = 0.9) -> str:

@@ -12,13 +12,13 @@ from builders import Box
 from streamlit.testing.v1 import AppTest
 
 import pages
+from nvcore.common.wording import Footnotes
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.units import BLOCKS
-from nvcore.time_left.steps import time_left_in
-from nvcore.wording import Footnotes
+from nvcore.subjects.time_left.steps import time_left_in
 from pages import HEAD, alone, begin_with, checked, figures, sidebar, tables, texts
 from ui.session.chosen import encounter_of
-from ui.time_left.numbers import with_interval
+from ui.subjects.time_left.numbers import with_interval
 from ui.widgets.html import MeasureRow
 
 ASSUMED = "Assumed speed (km/h)"
@@ -106,7 +106,7 @@ def test_the_list_has_the_fastest_impact_first_and_opens_the_last_chance(
     monkeypatch: pytest.MonkeyPatch,
 ):
     shown: list[int] = []
-    monkeypatch.setattr("ui.time_left.listed.open_row", shown.append)
+    monkeypatch.setattr("ui.subjects.time_left.listed.open_row", shown.append)
     page = alone_on("encounters")
     assert headings(page)[1:] == ["Margin of X against Y"]
     assert len(table(page)) == 20

@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from nvcore.codes import CodedInterval
-from nvcore.findings import Cases, Finding, Severity
+from nvcore.common.findings import Cases, Finding, Severity
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.pictures.recordings import RecordingPictures
+from nvcore.settings.codes import CodedInterval
 from pages import checked, figures, opened, part, press, space_of, tables, texts, to_page
 from ui.session.store import ENCOUNTER
 from ui.shell.review import Review
-from ui.timeline import plots
+from ui.views.timeline import plots
 
 
 def parts(**address: str) -> AppTest:
     """The choice of a recording, and what shows its frames."""
-    draw = "ui.timeline.plots.draw_all(RESULT, state.recording())"
+    draw = "ui.views.timeline.plots.draw_all(RESULT, state.recording())"
     return checked(part("ui.widgets.recording.recording_choice()", draw, **address).run())
 
 
@@ -205,7 +205,9 @@ def test_an_entry_without_an_evaluated_frame_says_so_and_stays(of_two_recordings
 
 
 def test_a_stretch_is_marked_at_the_frame_shown_becomes_a_class_and_is_changed_and_removed():
-    page = part("ui.timeline.codes.draw(state.recording())", recording="rural_child", frame="57")
+    page = part(
+        "ui.views.timeline.codes.draw(state.recording())", recording="rural_child", frame="57"
+    )
     checked(page.run())
     fields = {field.label: field for field in page.number_input}
     assert fields["Start (s)"].value == pytest.approx(2.85)
@@ -231,7 +233,7 @@ def test_a_stretch_is_marked_at_the_frame_shown_becomes_a_class_and_is_changed_a
 
 
 def test_stretches_of_a_file_are_added_unless_it_has_a_wrong_line():
-    page = checked(part("ui.timeline.codes.draw(state.recording())").run())
+    page = checked(part("ui.views.timeline.codes.draw(state.recording())").run())
     lines = ["recording,start_s,end_s,code", "rural_child,1,2,glare", "rural_child,3,2,glare"]
     for n_lines, n_codes in ((3, 0), (2, 1)):
         content = "\n".join(lines[:n_lines]).encode()

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from builders import at, make_dataset
 
+from nvcore.common.palette import STYLES, Scheme
+from nvcore.dataset.schema import DetectionState
 from nvcore.metrics.cost_map import map_cost
-from nvcore.objects import PEDESTRIAN
-from nvcore.palette import STYLES, Scheme
-from nvcore.params import Params
-from nvcore.schema import DetectionState
+from nvcore.settings.objects import PEDESTRIAN
+from nvcore.settings.params import Params
 from ui.session import packed_comparison
 from ui.widgets.viewer import FOLDER, colours_of, settled_row
 from ui.widgets.viewer.packing import (

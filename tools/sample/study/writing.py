@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from nvcore.progress import Progress, no_progress
+from nvcore.common.progress import Progress, no_progress
 from tools.sample.study.scenes import (
     BOXES_FILE,
     FOLDER,

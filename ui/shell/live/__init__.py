@@ -15,10 +15,10 @@ from typing import Any, Final
 
 import streamlit as st
 
-from nvcore.errors import ParameterError
-from nvcore.measures.table import MEASURES
-from nvcore.params import SETTINGS
-from nvcore.stages import ENCOUNTERS, SALIENT, SEVERITY, Stage
+from nvcore.common.errors import ParameterError
+from nvcore.comparison.measures.table import MEASURES
+from nvcore.settings.params import SETTINGS
+from nvcore.settings.stages import ENCOUNTERS, SALIENT, SEVERITY, Stage
 from ui.session import settings, state, store
 from ui.session.packed_comparison import LIVE, can_pack, has_mixed_scores, n_bytes, version_of
 from ui.session.routes import address

@@ -7,7 +7,7 @@ const RELEVANT_K = 0.5;
 const SURE = 1e-9; // beyond it, which side of the midpoint a box is on needs no sigmoid
 const MATCHED = -1; // in place of a cost
 const LARGEST_EXPONENT = 700;
-const UNEQUAL = 1.5; // as `nvcore.detection.operating_point`
+const UNEQUAL = 1.5; // as `nvcore.metrics.detection.operating_point`
 const LEAST_MORE = 6;
 
 function unpackColumns(buffer) {

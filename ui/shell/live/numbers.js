@@ -1,6 +1,6 @@
 // Numbers of the page that follow the sliders: cells marked with their measure and its format.
 
-import { UNDEFINED, formatted } from "../../widgets/number_format.js";
+import { UNDEFINED, formatted } from "../../widgets/table/number_format.js";
 
 const originals = new WeakMap(); // what the server drew, by element
 

@@ -1,6 +1,6 @@
 // A table of which only the rows in sight are elements: thousands of rows cost what twenty do.
 
-import { UNDEFINED, formatted } from "../number_format.js";
+import { UNDEFINED, formatted } from "./number_format.js";
 
 const ROW_PX = 29;
 const AROUND = 8; // rows drawn above and below those in sight

@@ -19,12 +19,12 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import streamlit as st
 
+from nvcore.common.palette import TRUTH_COLOUR, Theme, scheme_of
 from nvcore.metrics.cost_map import CostMap
-from nvcore.objects import PEDESTRIAN, Objects
-from nvcore.palette import TRUTH_COLOUR, Theme, scheme_of
+from nvcore.settings.objects import PEDESTRIAN, Objects
 from ui.session import store
 from ui.settings.start import base_path
-from ui.subjects import contributed
+from ui.subject import contributed
 from ui.widgets.drawing import OWN_PICTURES, Look, VisiblePictures, read_look
 from ui.widgets.script import read_script
 from ui.widgets.viewer.packing import (

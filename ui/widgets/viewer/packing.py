@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from nvcore.metrics.cost_map import CostMap
-from nvcore.objects import PEDESTRIAN, Objects
+from nvcore.settings.objects import PEDESTRIAN, Objects
 
 MOST_BUCKETS = 2000
 """Maximum number of points of a trace. The strip is not wider than this on any screen."""

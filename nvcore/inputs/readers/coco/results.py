@@ -15,8 +15,8 @@ import pyarrow as pa
 import pyarrow.json
 from pandas.api.types import is_integer_dtype
 
-from nvcore.errors import MissingFactError, UnnamedClassesError
-from nvcore.findings import Finding, Remedy, Severity, Step
+from nvcore.common.errors import MissingFactError, UnnamedClassesError
+from nvcore.common.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.readers.base import (
     Format,
     LeftOut,

@@ -11,9 +11,11 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import InputError
-from nvcore.file_kinds import unpacked_name
-from nvcore.findings import Finding, Remedy, Severity, Step
+from nvcore.common.errors import InputError
+from nvcore.common.file_kinds import unpacked_name
+from nvcore.common.findings import Finding, Remedy, Severity, Step
+from nvcore.common.wording import count_text
+from nvcore.dataset.schema import UNKNOWN_OCCLUSION
 from nvcore.inputs.readers.base import (
     NO_FRAME,
     Format,
@@ -60,8 +62,6 @@ from nvcore.inputs.readers.parse.json import Records, first_other, read_json, sh
 from nvcore.inputs.readers.parse.rows import FilePart, joined_parts
 from nvcore.inputs.readers.parse.text import whole_numbers
 from nvcore.inputs.readers.parse.unknown import foreign_format
-from nvcore.schema import UNKNOWN_OCCLUSION
-from nvcore.wording import count_text
 
 NAME_KEYS = ("file_name", "im_name", "filename", "image_name", "image_filepath")
 FRAME_KEYS = ("frame_index", "frame_id", "frame_number", "frame")

@@ -12,7 +12,8 @@ from typing import Final, NamedTuple
 import numpy as np
 import pandas as pd
 
-from nvcore.findings import Finding
+from nvcore.common.findings import Finding
+from nvcore.dataset.schema import UNKNOWN_OCCLUSION
 from nvcore.inputs.readers.base import (
     Lines,
     Reading,
@@ -43,7 +44,6 @@ from nvcore.inputs.readers.parse.xml import (
     is_true,
     read_elements,
 )
-from nvcore.schema import UNKNOWN_OCCLUSION
 
 CORNERS = ["x0", "y0", "x1", "y1"]
 _SAME_OBJECT: Final = 0.7

@@ -9,8 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import FormatError
-from nvcore.findings import Finding
+from nvcore.common.errors import FormatError
+from nvcore.common.findings import Finding
+from nvcore.dataset.schema import NO_TRACK
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     NO_FRAME,
@@ -34,7 +35,6 @@ from nvcore.inputs.readers.meaning.frame_names import in_file, joined_named, nam
 from nvcore.inputs.readers.meaning.names import ONLY, recording_and_frame_of, recording_of
 from nvcore.inputs.readers.meaning.values import recordings_with_sizes
 from nvcore.inputs.readers.parse.xml import root_of
-from nvcore.schema import NO_TRACK
 
 _ANNOTATION = re.compile(r"<mode>\s*annotation\s*</mode>")
 

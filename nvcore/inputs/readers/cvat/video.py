@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from nvcore.findings import Finding, Remedy, Step
+from nvcore.common.findings import Finding, Remedy, Step
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,

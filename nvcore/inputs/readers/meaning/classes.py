@@ -13,10 +13,12 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
+from nvcore.common.errors import FormatError, InputError, UnnamedClassesError
+from nvcore.common.file_kinds import unpacked_name
+from nvcore.common.findings import Finding, Remedy, Severity, Step
+from nvcore.common.wording import count_text, listed, shortened
+from nvcore.dataset.schema import NO_LABEL, names_as_categories
 from nvcore.dataset.sources import left_out_text
-from nvcore.errors import FormatError, InputError, UnnamedClassesError
-from nvcore.file_kinds import unpacked_name
-from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.readers.base import (
     LeftOut,
     Lines,
@@ -27,9 +29,7 @@ from nvcore.inputs.readers.base import (
     warning,
 )
 from nvcore.inputs.readers.parse.text import read_text
-from nvcore.objects import Objects, labels_in_order, plain_class
-from nvcore.schema import NO_LABEL, names_as_categories
-from nvcore.wording import count_text, listed, shortened
+from nvcore.settings.objects import Objects, labels_in_order, plain_class
 
 
 @dataclass(frozen=True)
@@ -585,7 +585,7 @@ def labels_of(counted: Iterable[str], objects: Objects) -> dict[str, str]:
 
     Examples
     --------
-    >>> from nvcore.objects import SPEED_SIGN
+    >>> from nvcore.settings.objects import SPEED_SIGN
     >>> labels_of(["speed limit 30", "50", "speed limit"], SPEED_SIGN)
     {'speed limit 30': '30', '50': '50'}
     """

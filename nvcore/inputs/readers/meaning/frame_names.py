@@ -13,9 +13,10 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import FormatError, InputError
-from nvcore.file_kinds import IMAGE_SUFFIXES
-from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
+from nvcore.common.errors import FormatError, InputError
+from nvcore.common.file_kinds import IMAGE_SUFFIXES
+from nvcore.common.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
+from nvcore.common.wording import count_text
 from nvcore.inputs.readers.base import (
     NO_FRAME,
     Lines,
@@ -41,7 +42,6 @@ from nvcore.inputs.readers.meaning.names import (
     times_of_numbers,
 )
 from nvcore.inputs.readers.parse.text import read_text
-from nvcore.wording import count_text
 
 NO_NAMES: Final = NamedPictures(
     pd.DataFrame({"recording": [], "frame": [], "name": []}).astype({"frame": np.int64}), strange=0

@@ -15,10 +15,10 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import InputError
-from nvcore.file_kinds import unpacked_name
-from nvcore.findings import Remedy, Step
-from nvcore.wording import listed
+from nvcore.common.errors import InputError
+from nvcore.common.file_kinds import unpacked_name
+from nvcore.common.findings import Remedy, Step
+from nvcore.common.wording import listed
 
 _PICTURE: Final = "jpe?g|png|bmp|tiff?|webp|avif|heic|ppm|pgm"
 _VIDEO: Final = "mp4|avi|mov|mkv|webm|m4v|mpe?g|wmv|ts"

@@ -13,10 +13,10 @@ import numpy as np
 import pandas as pd
 from pandas.api.types import union_categoricals
 
-from nvcore.findings import Finding, Severity
+from nvcore.common.findings import Finding, Severity
+from nvcore.dataset.schema import CLASS_SEPARATOR, NO_TRACK, UNKNOWN_OCCLUSION, names_as_categories
 from nvcore.inputs.readers.base import Lines, Role, SourceFile, recordings_table, rows_finding
 from nvcore.inputs.readers.parse.text import MAX_INTEGER, read_text
-from nvcore.schema import CLASS_SEPARATOR, NO_TRACK, UNKNOWN_OCCLUSION, names_as_categories
 
 PARTIAL_OCCLUSION: Final = 0.35
 """Occluded share up to which an occlusion is partial (Caltech's limit)."""

@@ -12,10 +12,10 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.errors import FormatError
+from nvcore.common.errors import FormatError
+from nvcore.common.wording import shortened
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.text import read_text
-from nvcore.wording import shortened
 
 NESTED = ("extra_info", "attributes")
 """Fields of a record in which tools keep further fields (Teledyne FLIR, CVAT)."""

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from nvcore.findings import Finding
+from nvcore.common.findings import Finding
 from nvcore.inputs.readers.base import (
     Lines,
     NamedPictures,

@@ -13,10 +13,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.errors import FormatError, InputError
+from nvcore.common.errors import FormatError, InputError
+from nvcore.common.output.csv_text import without_safeguard
+from nvcore.common.wording import listed, shortened
 from nvcore.inputs.readers.parse.text import MAX_INTEGER, number_of
-from nvcore.output.csv_text import without_safeguard
-from nvcore.wording import listed, shortened
 
 MOST_ROWS: Final = 1_000_000
 MOST_COLUMNS: Final = 100

@@ -9,9 +9,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 
-from nvcore.file_kinds import binary_kind
+from nvcore.common.file_kinds import binary_kind
+from nvcore.common.wording import shortened
 from nvcore.inputs.readers.base import Lines, SourceFile
-from nvcore.wording import shortened
 
 MAX_INTEGER = 2.0**53
 """Largest number that is exact as float64: frame numbers and track ids stay below it."""

@@ -11,7 +11,7 @@ from xml.etree.ElementTree import ParseError
 from defusedxml.common import DefusedXmlException
 from defusedxml.ElementTree import DefusedXMLParser
 
-from nvcore.errors import FormatError
+from nvcore.common.errors import FormatError
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
 

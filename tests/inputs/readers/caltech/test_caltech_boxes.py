@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from reader_files import golden, only_finding, rows, source
 
-from nvcore.errors import FormatError, InputError
+from nvcore.common.errors import FormatError, InputError
 from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.caltech import read_bbgt as read
 from nvcore.inputs.readers.caltech import recognise_bbgt as recognise

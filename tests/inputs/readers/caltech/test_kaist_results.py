@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 from reader_files import golden, rows, source
 
-from nvcore.errors import FormatError, InputError, MissingFactError
-from nvcore.findings import Severity
+from nvcore.common.errors import FormatError, InputError, MissingFactError
+from nvcore.common.findings import Severity
 from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.caltech import read_results as read
 

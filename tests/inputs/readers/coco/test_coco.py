@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from reader_files import golden, rows, source
 
-from nvcore.errors import FormatError
+from nvcore.common.errors import FormatError
 from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.coco import truth as reader
 

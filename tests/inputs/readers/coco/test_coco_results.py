@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from reader_files import golden, rows, source
 
-from nvcore.errors import FormatError, MissingFactError
+from nvcore.common.errors import FormatError, MissingFactError
 from nvcore.inputs.readers.base import LeftOut, Reading, ReadOptions
 from nvcore.inputs.readers.coco import results
 from nvcore.inputs.readers.coco.truth import read as read_truth

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from reader_files import golden, only_finding, rows, source
 
-from nvcore.errors import FormatError
+from nvcore.common.errors import FormatError
 from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.cvat.images import read
 

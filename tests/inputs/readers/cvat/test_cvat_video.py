@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from reader_files import golden, only_finding, rows, source
 
-from nvcore.errors import FormatError, InputError
+from nvcore.common.errors import FormatError, InputError
 from nvcore.inputs.readers.base import Lines, Reading, ReadOptions, SourceFile
 from nvcore.inputs.readers.cvat.video import (
     FilledTracks,

@@ -6,7 +6,7 @@ import pytest
 from places import DATA
 from reader_files import golden, only_finding, rows, source
 
-from nvcore.errors import FormatError
+from nvcore.common.errors import FormatError
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
 from nvcore.inputs.readers.kitti import read_detections as read
 

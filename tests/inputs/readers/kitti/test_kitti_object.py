@@ -6,7 +6,7 @@ import pytest
 from places import DATA
 from reader_files import rows, source
 
-from nvcore.errors import FormatError, InputError
+from nvcore.common.errors import FormatError, InputError
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
 from nvcore.inputs.readers.kitti import read_object as read
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from reader_files import golden, rows, source
 
-from nvcore.errors import FormatError
+from nvcore.common.errors import FormatError
 from nvcore.inputs.readers.base import ReadOptions
 from nvcore.inputs.readers.kitti import read_tracking as read
 

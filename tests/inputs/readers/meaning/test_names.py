@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from nvcore.errors import InputError
+from nvcore.common.errors import InputError
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of, recording_of, recordings_of
 
 SETS = ("set06/V000", "set07/V000")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import reader_files
 
-from nvcore.errors import FormatError
+from nvcore.common.errors import FormatError
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.meaning.values import SequenceInfo, sequence_info
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nvcore.errors import FormatError, InputError
+from nvcore.common.errors import FormatError, InputError
 from nvcore.inputs.readers.parse.table import TextTable, parse_table, read_table
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import reader_files
 
-from nvcore.errors import FormatError, InputError
+from nvcore.common.errors import FormatError, InputError
 from nvcore.inputs.readers.base import Lines, SourceFile
 from nvcore.inputs.readers.parse import text
 from nvcore.inputs.readers.parse.text import (

@@ -9,7 +9,7 @@ from time import process_time
 import pytest
 from reader_files import source
 
-from nvcore.errors import FormatError, UnknownFormatError
+from nvcore.common.errors import FormatError, UnknownFormatError
 from nvcore.inputs.readers import detect_format
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.readers.parse import unknown

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from reader_files import source
 
-from nvcore.errors import FormatError, InputError
+from nvcore.common.errors import FormatError, InputError
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.xml import read_elements, root_of
 

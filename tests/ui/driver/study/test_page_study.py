@@ -11,10 +11,10 @@ import study_pictures
 from streamlit.testing.v1 import AppTest
 
 import pages
-from nvcore.driver.study.touch_task import Answer, DetectabilityStore, DetectabilityStudy
+from nvcore.subjects.driver.study.touch_task import Answer, DetectabilityStore, DetectabilityStudy
 from pages import checked, part, press, texts
-from ui.driver.study import files, touch_studies
-from ui.people.studies import ON_SCREEN
+from ui.subjects.driver.study import files, touch_studies
+from ui.subjects.people.studies import ON_SCREEN
 
 SEEN = Answer(measured_s=1, shown_s=0.5, touch_x=30, touch_y=80, response_s=1)
 Run = Callable[[], None]
@@ -47,8 +47,10 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[dict]:
 def opened(**address: str) -> AppTest:
     """What participants see, by their address, else what the conductor sees."""
     side = "participant" if "study" in address else "conduct"
-    call = f"ui.people.{side}.draw(touch_studies.TOUCH)"
-    return checked(part("from ui.driver.study import touch_studies", call, **address).run())
+    call = f"ui.subjects.people.{side}.draw(touch_studies.TOUCH)"
+    return checked(
+        part("from ui.subjects.driver.study import touch_studies", call, **address).run()
+    )
 
 
 def begun(store: DetectabilityStore, page: AppTest | None = None) -> DetectabilityStudy:

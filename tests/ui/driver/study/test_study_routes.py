@@ -14,19 +14,14 @@ import pytest
 import study_pictures
 from asgi import ask, put
 
-from nvcore.driver.study.pictures import read_pictures
-from nvcore.driver.study.settings import StudySettings
-from nvcore.driver.study.touch_task import DetectabilityStore
-from nvcore.errors import InputError
-from ui.driver.study.on_screen import (
-    MOST_BYTES,
-    OnScreen,
-    answer_of,
-    sent_by_browser,
-)
-from ui.people.studies import ON_SCREEN
+from nvcore.common.errors import InputError
+from nvcore.subjects.driver.study.pictures import read_pictures
+from nvcore.subjects.driver.study.settings import StudySettings
+from nvcore.subjects.driver.study.touch_task import DetectabilityStore
 from ui.session.routes import address
 from ui.session.workspace import Workspace
+from ui.subjects.driver.study.on_screen import MOST_BYTES, OnScreen, answer_of, sent_by_browser
+from ui.subjects.people.studies import ON_SCREEN
 
 TOUCH = {
     "measured_s": 4.01, "shown_s": 0.5, "touch": [30.5, 80], "response_s": 1.25,
@@ -101,7 +96,7 @@ def test_a_report_that_is_sent_again_counts_once(space: Workspace, screen: OnScr
 def test_an_answer_that_cannot_be_kept_now_is_the_servers_fault_and_kept_later(
     space: Workspace, screen: OnScreen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr("nvcore.people.store.WAIT_S", 0.01)
+    monkeypatch.setattr("nvcore.subjects.people.store.WAIT_S", 0.01)
     address_of = f"{address(space)}/study/1/answer"
     with closing(sqlite3.connect(tmp_path / "studies.sqlite")) as other:
         other.execute("BEGIN EXCLUSIVE")

@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from nvcore.driver.study.settings import StudySettings
-from nvcore.driver.study.touch_task import DetectabilityStore, DetectabilityStudy
-from ui.driver.study import screen
-from ui.driver.study.on_screen import OnScreen
+from nvcore.subjects.driver.study.settings import StudySettings
+from nvcore.subjects.driver.study.touch_task import DetectabilityStore, DetectabilityStudy
+from ui.subjects.driver.study import screen
+from ui.subjects.driver.study.on_screen import OnScreen
 
 NAME = "practice 1 of ABCDEFGH"
 NOW = datetime(2026, 3, 1, tzinfo=UTC)

@@ -1,0 +1,1 @@
+"""What all of nvcore shares: errors, findings, words, records, outputs."""

@@ -1,0 +1,1 @@
+"""The comparison of two systems, and the measures of its result."""

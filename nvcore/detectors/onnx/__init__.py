@@ -1,5 +1,0 @@
-"""Custom ONNX networks, run by ONNX Runtime, with the output layouts of common families."""
-
-from nvcore.detectors.onnx.detector import open_onnx
-
-__all__ = ["open_onnx"]

@@ -1,0 +1,1 @@
+"""Files that a session names: found, unpacked, hashed, read from pipes."""

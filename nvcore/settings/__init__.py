@@ -1,0 +1,1 @@
+"""Settings of a comparison: parameters, kinds of objects, protocols, the primary question."""

@@ -1,0 +1,1 @@
+"""Calls from Python and from the command line, and their arguments."""

@@ -1,0 +1,1 @@
+"""Runs over the pictures of recordings, and the files that they write."""

@@ -1,0 +1,1 @@
+"""The pages about the comparison itself, a package each."""

@@ -1,0 +1,176 @@
+"""Data page: open files below the folder that the app was started with."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+import streamlit as st
+
+from nvcore.common.errors import InputError
+from nvcore.common.wording import count_text
+from nvcore.inputs.readers.base import Role
+from nvcore.inputs.session import Session, Source
+from ui.access.files import Entry, LocalRoot, check_confined
+from ui.confined.reading import find_confined, session_confined, with_recordings_confined
+from ui.session import store
+from ui.views.data.form import draw_form
+from ui.views.data.form_session import Chosen
+from ui.views.data.missing_inputs import MissingInputs, ask_for_missing
+from ui.views.data.opening import draw_trouble, forget_outcome, try_to_open
+from ui.widgets.buttons import button
+from ui.widgets.text import plain
+
+PLACE: Final = "local"
+SESSION: Final = "local_session"
+TOP: Final = "(top folder)"
+UP: Final = ".."
+_session_changed = partial(forget_outcome, SESSION)
+
+
+@dataclass
+class LocalFiles:
+    """Files and folders below the local root. One folder is listed at a time."""
+
+    root: LocalRoot
+    entries: Sequence[Entry]
+    label: str
+    name: str = PLACE
+    section: str = ""
+
+    def begin(self, section: str) -> None:
+        """Begin a section of the form."""
+        self.section = section
+
+    def key(self, slot: str) -> str:
+        """Return the key of a field."""
+        return f"{PLACE}_{self.section}{slot}"
+
+    def choose(
+        self, slot: str, label: str, *, help_text: str | None = None, most: int | None = None
+    ) -> Chosen:
+        """Draw a field for files and folders. Those chosen in other folders stay chosen."""
+        files = [entry for entry in self.entries if not (most == 1 and entry.is_folder)]
+        more = {"max_selections": most, "help": help_text}
+        paths = self._select(slot, label, files, on_change=forget_outcome, args=(PLACE,), **more)
+        try:
+            for path in paths:
+                self.root.find(path)
+        except InputError as error:
+            return Chosen(self.root.folder, trouble=str(error))
+        return Chosen(self.root.folder, tuple(paths), known_as=tuple(paths), content=tuple(paths))
+
+    def _select(self, slot: str, label: str, entries: Sequence[Entry], **more: Any) -> list[str]:
+        key = self.key(slot)
+        chosen: list[str] = store.widget(key, []).get()
+        options = [entry.path for entry in entries if entry.path not in chosen]
+        return st.multiselect(label, [*chosen, *options], key=key, **more)
+
+    def content(self, chosen: Chosen, source: Source, role: Role) -> Hashable:
+        """Return a key that changes when a file does: a folder does not when one in it is edited.
+
+        It includes files that are read along: seqinfo.ini beside those of MOTChallenge or up to
+        two folders above.
+        """
+        check_confined(Session(chosen.folder, source, ()), chosen.folder)
+        files = find_confined(source, chosen.folder, role).paths
+        folders = {folder for file in files for folder in file.parents[:3]}
+        beside = [folder / "seqinfo.ini" for folder in sorted(folders)]
+        states = []
+        for file in (*files, *(path for path in beside if path.is_relative_to(chosen.folder))):
+            try:
+                status = file.stat()
+            except OSError:  # reported when it is read
+                continue
+            states.append((str(file), status.st_mtime_ns, status.st_size))
+        return (chosen.content, *states)
+
+    def choose_pictures(self) -> tuple[dict[str, Path], list[str]]:
+        """Draw the field for pictures."""
+        places, missing = {}, []
+        for path in self._select("pictures", "Pictures", self.entries):
+            try:
+                places[path] = self.root.find(path)
+            except InputError as error:
+                missing.append(str(error))
+        return places, missing
+
+    def finished(self, session: Session) -> Session:
+        """Read the session's table of recordings. Nothing that it names leaves the root."""
+        return _with_recordings(self.root, session)
+
+    def take(self) -> None:
+        """Do nothing: local files stay where they are."""
+
+
+def draw(root: LocalRoot) -> None:
+    """Draw a folder to browse, and the form for the files taken from it."""
+    path = store.LOCAL_FOLDER.get()
+    try:
+        entries = root.entries(path)
+    except InputError as error:
+        st.warning(plain(str(error)), icon=":material/warning:")
+        path, entries = "", root.entries()
+        store.LOCAL_FOLDER.set(path)
+    _draw_folder(path, entries)
+    _draw_session(root, entries)
+    st.markdown("**Or choose files and folders**, here and in other folders:")
+    draw_form(LocalFiles(root, entries, f"Files in {path}" if path else "Local files"))
+
+
+def _draw_folder(current: str, entries: list[Entry]) -> None:
+    folders = [entry.path for entry in entries if entry.is_folder]
+    n_files = len(entries) - len(folders)
+    st.selectbox(
+        f"Folder: {plain(current) or TOP}",
+        [*([UP] if current else []), *folders],
+        index=None,
+        key="local_next",
+        placeholder=(
+            f"{count_text(len(folders), 'folder')}, {count_text(n_files, 'file')}; go to a folder"
+        ),
+        format_func=lambda path: "one up" if path == UP else path.rpartition("/")[2] + "/",
+        on_change=_go,
+    )
+
+
+def _go() -> None:
+    path, entry = store.LOCAL_FOLDER.get(), store.LOCAL_NEXT.get()
+    if entry is not None:
+        store.LOCAL_FOLDER.set(path.rpartition("/")[0] if entry == UP else entry)
+        _session_changed()
+    store.LOCAL_NEXT.set(None)
+
+
+def _draw_session(root: LocalRoot, entries: list[Entry]) -> None:
+    files = [entry.path for entry in entries if entry.path.lower().endswith(".toml")]
+    if not files:
+        return
+    left, right = st.columns([4, 1], vertical_alignment="bottom")
+    file = left.selectbox(
+        "Session file", files, format_func=_last, key="local_session", on_change=_session_changed
+    )
+    is_wanted = button("Open session", key="open_local_session", width="stretch", at=right)
+    facts = ask_for_missing(SESSION, [])
+    draw_trouble(SESSION)
+    if is_wanted:
+        try_to_open(lambda: _session_file(root, file, facts), label=_last(file), place=SESSION)
+
+
+def _last(path: str) -> str:
+    return path.rpartition("/")[2]
+
+
+def _session_file(root: LocalRoot, path: str, facts: MissingInputs) -> Session:
+    return _with_recordings(root, facts.added_to(session_confined(root.find(path))))
+
+
+def _with_recordings(root: LocalRoot, session: Session) -> Session:
+    """Read the session's table of recordings. Nothing that it names leaves the root."""
+    check_confined(session, root.folder)
+    session = with_recordings_confined(session)
+    check_confined(session, root.folder)
+    return session

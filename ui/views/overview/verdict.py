@@ -1,0 +1,127 @@
+"""Overview page: the verdict, in a box whose space is reserved from the start."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.common.findings import Finding
+from nvcore.common.wording import count_text, percent
+from nvcore.comparison.compare import Result
+from nvcore.evidence.companions import Companions
+from nvcore.notes import Note
+from nvcore.report.tiles import tiles
+from nvcore.report.verdict import verdict
+from nvcore.report.words import sampling_note
+from nvcore.tables.influence import leads
+from ui.session import state, store
+from ui.shell.navigate import open_page
+from ui.streamlit_inside.types import DeltaGenerator
+from ui.views.overview.tiles import tiles_html
+from ui.widgets.buttons import button
+from ui.widgets.text import docs_link, plain, short_names
+
+
+class VerdictBox:
+    """Box of the verdict. It shows results as they become known, without moving the page."""
+
+    def __init__(self, result: Result) -> None:
+        self._result = result
+        with st.container(border=True, key="verdict"):
+            self.headline: DeltaGenerator = st.container(key="verdict_headline")
+            # until they are drawn, they show the content of the last run
+            self._words = self.headline.container()
+            self._tiles = st.container(key="verdict_tiles")
+            self._basis = st.container(key="verdict_basis")
+            self._rest = st.expander("What this rests on")
+
+    def _opening(self) -> tuple[object, ...]:
+        """Return the data and systems of the verdict, for comparison with the last one drawn."""
+        return state.opened().dataset.fingerprint, self._result.x.name, self._result.y.name
+
+    def holds_last(self) -> bool:
+        """Return whether the box still shows a verdict on these systems, with any settings."""
+        return store.LAST_VERDICT.get() == self._opening()
+
+    def draw_known(self, evidence: pd.DataFrame | None) -> None:
+        """Draw the tiles with the evidence known so far, before the differences are tested."""
+        self._words = self._words.markdown("## :gray[The differences are being tested.]")
+        self._basis = self._basis.caption(_short_extent(self._result))
+        four = tiles(self._result, evidence, None, is_being_tested=True)
+        self._tiles = self._tiles.html(
+            tiles_html(four, self._result.objects, short_names(self._result))
+        )
+
+    def draw(
+        self,
+        findings: Sequence[Finding],
+        evidence: pd.DataFrame,
+        companions: Companions | None,
+        plan: tuple[Note, ...],
+    ) -> None:
+        """Draw the verdict, what it depends on, and how much more data it would take."""
+        result = self._result
+        conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+        reasons = " ".join([conclusion.reason, *map(state.say, leads(result))])
+        words = plain(conclusion.in_short), plain(reasons)
+        self._words = self._words.markdown("## {}\n\n{}".format(*words))
+        store.SHOWN_VERDICT.set(state.opened().dataset.fingerprint)
+        store.LAST_VERDICT.set(self._opening())
+        four = tiles(result, evidence, companions, is_being_tested=True)
+        self._tiles = self._tiles.html(
+            tiles_html(four, self._result.objects, short_names(self._result))
+        )
+        with self._basis.container():
+            st.caption(_short_extent(result))
+            for point in conclusion.points:
+                if point.is_warning:
+                    st.markdown(f":material/warning: {plain(conclusion.say(*point.notes))}")
+            if conclusion.doubt:
+                _draw_doubt(conclusion.say(conclusion.doubt))
+        with self._rest:
+            st.markdown(
+                "\n".join(
+                    f"- **{plain(point.topic)}:** {plain(conclusion.say(*point.notes))}"
+                    for point in conclusion.points
+                )
+            )
+            st.caption(_extent(result))
+            if note := sampling_note(result.dataset.frame_columns):
+                st.caption(note)
+
+
+def _draw_doubt(doubt: str) -> None:
+    with st.container(horizontal=True, vertical_alignment="center"):
+        st.markdown(f":material/warning: {plain(doubt)}", width="stretch")
+        if button("See the findings on the Data page", key="see_findings"):
+            open_page("data")
+
+
+def _short_extent(result: Result) -> str:
+    return (
+        f"X is {plain(result.x.name)}, Y {plain(result.y.name)}; "
+        f"{count_text(len(result.dataset.recordings), 'recording')}, "
+        f"{count_text(len(result.dataset.frames), 'frame')}, {result.duration_s:,.1f} s. "
+        "Bars: 95 % interval of X − Y, drawn from Y better (left) to X better (right)."
+    )
+
+
+def _extent(result: Result) -> str:
+    venn = result.venn
+    return state.say(
+        "{recordings}, {frames}, {duration_s:,.1f} s. An encounter is one {one} from first to last "
+        "annotated frame; {near:,} came near enough to count, {distant:,} stayed distant. A "
+        "system detects it by matching it in at least {coverage} of the frames in which it is "
+        "near. Severity: what failures weigh, 1 s for each second that {a_one} straight ahead and "
+        "near is missed. p, where given: how often recordings in which X and Y could be exchanged "
+        "would differ as much, by itself and corrected for what is tested together ({link}).",
+        recordings=count_text(len(result.dataset.recordings), "recording"),
+        frames=count_text(len(result.dataset.frames), "frame"),
+        duration_s=result.duration_s,
+        near=venn.n_near,
+        distant=venn.distant,
+        coverage=percent(result.params.coverage),
+        link=docs_link("Significance", "other-measures", doc="significance"),
+    )
