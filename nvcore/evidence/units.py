@@ -188,12 +188,14 @@ def _differences(result: Result) -> tuple[np.ndarray, ...]:
 def sum_units(result: Result, units: Units) -> pd.DataFrame:
     """Sum every unit, as the basis for measures over all units.
 
-    Returns ------- One row per unit: recording (row of the recordings), n_frames, duration_s,
-    share_of_recording (number of recordings, or a block's share of one), n_encounters (not
-    distant), counts of subjects (`nvcore.comparison.measures.table.counted`), and the sums of the
-    parts of each measure that is judged by units. Their columns are the measure's key with ``_x``
-    and ``_y`` (NaN if it cannot be split into blocks of time). Encounters, episodes and events
-    belong to the unit in which they begin.
+    Returns
+    -------
+    One row per unit: recording (row of the recordings), n_frames, duration_s, share_of_recording
+    (number of recordings, or a block's share of one), n_encounters (not distant), counts of
+    subjects (`nvcore.comparison.measures.table.counted`), and the sums of the parts of each measure
+    that is judged by units. Their columns are the measure's key with ``_x`` and ``_y`` (NaN if it
+    cannot be split into blocks of time). Encounters, episodes and events belong to the unit in
+    which they begin.
     """
     unit, total = units.unit_of_frame, units.total
     frames, encounters = result.dataset.frame_columns, result.encounters

@@ -517,11 +517,13 @@ def _difference(x: np.ndarray, y: np.ndarray, criterion: Criterion) -> np.ndarra
 def equal_alarm_thresholds(result: Result) -> pd.DataFrame:
     """Thresholds of X and Y with equally many false alarms per frame.
 
-    Returns ------- Columns ``alarms_per_frame``, ``threshold_x`` and ``threshold_y``, at most
-    `N_RATES` rows. Rates increase from the least to the greatest of
-    `nvcore.evidence.stability.axes.ALARMS_PLAUSIBLE`. Thresholds are the lowest that give at most
-    the rate. Left out are rates that a system does not reach, and those at which the numbers
-    differ, as when many detections have the same score. No rows without scores.
+    Returns
+    -------
+    Columns ``alarms_per_frame``, ``threshold_x`` and ``threshold_y``, at most `N_RATES` rows. Rates
+    increase from the least to the greatest of `nvcore.evidence.stability.axes.ALARMS_PLAUSIBLE`.
+    Thresholds are the lowest that give at most the rate. Left out are rates that a system does not
+    reach, and those at which the numbers differ, as when many detections have the same score. No
+    rows without scores.
     """
     rates = np.geomspace(*ALARMS_PLAUSIBLE, N_RATES)
     columns: dict[str, np.ndarray] = {"alarms_per_frame": rates}

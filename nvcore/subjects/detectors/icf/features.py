@@ -57,7 +57,9 @@ def draw_features(settings: IcfSettings, n_channels: int, seed: int) -> Features
 def corner_offsets(features: Features, width: int, height: int) -> NDArray[np.uint32]:
     """Return the offsets of each feature's corners in integral images of pictures of a size.
 
-    Returns ------- uint32, (n, 8): offsets from the window's first corner in the flat array of
+    Returns
+    -------
+    uint32, (n, 8): offsets from the window's first corner in the flat array of
     `nvcore.subjects.detectors.icf.channels.integral_images`, in the order top left, top right,
     bottom left, bottom right of both rectangles. Offsets of a missing second one are 0, so that its
     sum is 0.
