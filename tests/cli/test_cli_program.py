@@ -31,9 +31,9 @@ def test_help_starts_without_what_only_a_command_needs():
     assert run.stdout == "set()\n", run.stderr
 
 
-@pytest.mark.parametrize("subject", ["alerts", "detectors", "driver", "fleet"])
-def test_the_commands_of_a_subject_can_be_imported_first(subject: str):
-    code = f"import nvcore.{subject}.commands"
+@pytest.mark.parametrize("commands", ["alerts.calls", "detectors.calls", "driver.calls", "fleet"])
+def test_the_commands_of_a_subject_can_be_imported_first(commands: str):
+    code = f"import nvcore.subjects.{commands}.commands"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
     assert run.returncode == 0, run.stderr
 

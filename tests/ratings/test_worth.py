@@ -7,7 +7,7 @@ from places import SAMPLE
 
 import nvcore as nv
 from nvcore.common.errors import FormatError
-from nvcore.subjects.alerts.calls import write_alerts
+from nvcore.subjects.alerts.calls.python import write_alerts
 from nvcore.subjects.ratings.worth import agreement_of_kinds, read_alerts
 
 HEAD = "recording,system,start_s,end_s,kind\n"

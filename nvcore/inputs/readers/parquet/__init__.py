@@ -153,7 +153,7 @@ class _Decoder:
             try:
                 self._process = subprocess.Popen(  # noqa: S603  # our own module
                     # -P: its folder has modules with names of the standard library
-                    [sys.executable, "-P", str(Path(__file__).with_name("parquet_decoder.py"))],
+                    [sys.executable, "-P", str(Path(__file__).with_name("decoder.py"))],
                     stdin=subprocess.PIPE,
                     stdout=subprocess.PIPE,
                     pipesize=_PIPE_BYTES,
