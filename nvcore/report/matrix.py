@@ -16,7 +16,6 @@ from nvcore.common.errors import InputError
 from nvcore.common.output.csv_text import to_csv_bytes
 from nvcore.common.output.files import refuse_other_run, write_run
 from nvcore.common.wording import (
-    Footnotes,
     aligned,
     count_text,
     difference,
@@ -24,6 +23,7 @@ from nvcore.common.wording import (
     number,
     one_line,
 )
+from nvcore.common.wording.footnotes import Footnotes
 from nvcore.comparison.measures.table import evidence_form
 from nvcore.dataset import Dataset
 from nvcore.evidence.pairwise import systems_of

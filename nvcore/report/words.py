@@ -10,12 +10,12 @@ import pandas as pd
 
 from nvcore.common.wording import (
     UNDEFINED,
-    Footnotes,
     count_text,
     difference,
     interval_text,
     number,
 )
+from nvcore.common.wording.footnotes import Footnotes
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.entry import MeasureTable
 from nvcore.comparison.measures.table import evidence_form, has_several_recordings

@@ -9,9 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass, field
 from difflib import get_close_matches
-from string import ascii_lowercase
 from typing import Final
 
 UNDEFINED: Final = "–"
@@ -114,35 +112,6 @@ def aligned(rows: Iterable[Sequence[str]], right: Collection[int] | None = None)
         align, width = str.rjust if is_right else str.ljust, max(map(len, column))
         columns.append([align(cell, width) for cell in column])
     return ["  ".join(cells).rstrip() for cells in zip(*columns, strict=True)]
-
-
-@dataclass(frozen=True)
-class Footnotes:
-    """Notes below a table, and the marks in its rows that refer to them.
-
-    Attributes
-    ----------
-    marks
-        Mark of each note, in the order of first use: a, b, c, ...
-    """
-
-    marks: dict[str, str] = field(default_factory=dict)
-
-    def mark(self, note: str, mark: str = "") -> str:
-        """Return a note's mark. A new note gets `mark`, or else the next unused letter."""
-        if note not in self.marks:
-            n = sum(known.isalpha() for known in self.marks.values())
-            n_letters = len(ascii_lowercase)
-            self.marks[note] = mark or ascii_lowercase[n % n_letters] * (1 + n // n_letters)
-        return self.marks[note]
-
-    def lines(self) -> list[str]:
-        """Return each mark with its note as a sentence, such as "a: Too few recordings."."""
-        return [f"{mark}: {capitalised(note)}." for note, mark in self.marks.items()]
-
-    def of_row(self, notes: Iterable[str]) -> str:
-        """Return the marks of a row's notes as text: "a c"."""
-        return " ".join(dict.fromkeys(self.mark(note) for note in notes))
 
 
 def interval_text(low: float, high: float, form: str) -> str:

@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 
 import nvcore
-from nvcore.common.wording import UNDEFINED, Footnotes, capitalised, count_text, number
+from nvcore.common.wording import UNDEFINED, capitalised, count_text, number
+from nvcore.common.wording.footnotes import Footnotes
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.entry import MeasureTable
 from nvcore.dataset.schema import CATEGORY_TEXT, CATEGORY_WORDS, MISS_CLASS_TEXT, Category

@@ -6,7 +6,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from nvcore.common.wording import Footnotes, number
+from nvcore.common.wording import number
+from nvcore.common.wording.footnotes import Footnotes
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import evidence_form
 from nvcore.evidence.measures import Evidence

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import pandas as pd
 
-from nvcore.common.wording import Footnotes
+from nvcore.common.wording.footnotes import Footnotes
 from nvcore.comparison.compare import Result
 from nvcore.notes import Note
 from nvcore.report.section import (

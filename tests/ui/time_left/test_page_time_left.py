@@ -12,7 +12,7 @@ from builders import Box
 from streamlit.testing.v1 import AppTest
 
 import pages
-from nvcore.common.wording import Footnotes
+from nvcore.common.wording.footnotes import Footnotes
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.units import BLOCKS
 from nvcore.subjects.time_left.steps import time_left_in

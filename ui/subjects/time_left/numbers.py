@@ -8,7 +8,8 @@ from typing import Final
 import numpy as np
 import streamlit as st
 
-from nvcore.common.wording import Footnotes, difference, interval_text, minus, number
+from nvcore.common.wording import difference, interval_text, minus, number
+from nvcore.common.wording.footnotes import Footnotes
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import evidence_form
 from nvcore.evidence.companions import judge_keys

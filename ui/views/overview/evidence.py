@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 import streamlit as st
 
-from nvcore.common.wording import Footnotes, capitalised, difference, interval_text, minus, number
+from nvcore.common.wording import capitalised, difference, interval_text, minus, number
+from nvcore.common.wording.footnotes import Footnotes
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import EVIDENCE_KEYS, as_shown, evidence_form, inference_of
 from nvcore.evidence.bootstrap import INTERVAL_RULE
