@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -11,7 +12,10 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
+import yaml
 from places import ROOT
+
+from scripts.dashboard_in_wheel import PARTS
 
 
 class Health(BaseHTTPRequestHandler):
@@ -50,3 +54,26 @@ def test_the_image_asks_for_its_health_where_the_app_is(base: str, path: str, co
         )
         server.shutdown()
     assert done.returncode == code
+
+
+def test_the_compose_file_passes_settings_that_the_page_on_hosting_explains():
+    compose = yaml.safe_load((ROOT / "deploy" / "compose.yaml").read_text(encoding="utf-8"))
+    passed = set(compose["services"]["app"]["environment"])
+    page = (ROOT / "docs" / "hosting.md").read_text(encoding="utf-8")
+    assert {"NVCORE_MAX_VISITORS", "STREAMLIT_SERVER_ALLOWED_HOSTS"} <= passed
+    rows = "\n".join(re.findall(r"^\| `.*?`(?=[ ,])[^|]*", page, re.MULTILINE))
+    assert passed <= set(re.findall(r"`([A-Z_]+)`", rows))
+
+
+def test_the_state_of_the_image_is_on_a_volume():
+    compose = yaml.safe_load((ROOT / "deploy" / "compose.yaml").read_text(encoding="utf-8"))
+    image = (ROOT / "deploy" / "Dockerfile").read_text(encoding="utf-8")
+    kept = re.findall(r"NVCORE_(?:RATINGS|STUDIES|UPLOAD_DIR)=(/\w+)/", image)
+    assert len(kept) == 3
+    assert set(kept) == {volume.split(":")[1] for volume in compose["services"]["app"]["volumes"]}
+
+
+def test_the_image_has_every_part_of_the_dashboard():
+    lines = (ROOT / ".dockerignore").read_text(encoding="utf-8").splitlines()
+    sent = [line[1:] for line in lines if line.startswith("!")]
+    assert [part for part in PARTS if part not in sent] == []
