@@ -19,6 +19,7 @@ from ui.widgets.script import read_script
 FOLDER: Final = state.ROOT / "docs"
 _DOCUMENTS: Final[tuple[Document, ...]] = in_place(
     (
+        Document("tutorial", "Tutorial"),
         Document("metrics", "Metrics"),
         Document("glossary", "Glossary"),
         Document("detection", "Detection curves"),
