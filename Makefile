@@ -4,7 +4,7 @@
 # make test  the same with the tests of the pages, and of the app in a browser
 # make coverage  which lines of the library its tests run: at least 95 %, kernels as plain Python
 # make test-js  the tests of the scripts that need no browser: arithmetic of viewer and sliders
-# make lint  lint, types and import contracts alone, of Python and JavaScript
+# make lint  lint, types, import contracts and the site of the docs, alone
 # make docs  the help texts and tables of docs/ that the code says, and tests/golden, written anew
 # make pins  the versions and hashes of all that is installed, chosen anew within pyproject.toml
 #            (PINS=--upgrade: the newest ones)
@@ -68,6 +68,7 @@ lint: $(DEVELOP) $(SCRIPTS)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/mkdocs build --strict
 	$(NODE) node_modules/eslint/bin/eslint.js ui nvcore tests/js eslint.config.js
 	$(NODE) node_modules/typescript/bin/tsc
 
