@@ -1,12 +1,12 @@
 """Registry of subjects: packages that add further questions to a comparison.
 
 The core compares two systems. A subject adds a question about that comparison (was there time left,
-would the driver have seen the pedestrian). It lives in one package, ``nvcore/<name>/``. Its
-``SUBJECT`` names its additions to the lists of the core: settings, steps of
+would the driver have seen the pedestrian). It lives in one package, ``nvcore/subjects/<name>/``.
+Its ``SUBJECT`` names its additions to the lists of the core: settings, steps of
 `nvcore.comparison.compare`, measures, columns, findings, figures, points of the verdict, sections
-of the reports, commands and public names. Its pages are in ``ui/<name>/``. Each list of the core
-has its own entries, then the `contributed` ones. The core names subjects only here. CONTRIBUTING
-has the recipe.
+of the reports, commands and public names. Its pages are in ``ui/subjects/<name>/``. Each list of
+the core has its own entries, then the `contributed` ones. The core names subjects only here.
+CONTRIBUTING has the recipe.
 
 Additions are named by strings and loaded at first use, so that ``import nvcore`` and
 ``nvcore --help`` need not wait for them.

@@ -1,4 +1,4 @@
-"""Server with the viewer alone: `streamlit run tests/e2e/viewer_app.py`."""
+"""Server with the viewer alone: `streamlit run tests/e2e/helpers/viewer_app.py`."""
 
 from __future__ import annotations
 

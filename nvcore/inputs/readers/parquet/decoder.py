@@ -1,6 +1,6 @@
 """Decode Parquet in a separate process, because Arrow aborts on some damaged files.
 
-``python parquet_decoder.py`` answers requests of `nvcore.inputs.readers.parquet` on standard
+``python decoder.py`` answers requests of `nvcore.inputs.readers.parquet` on standard
 input: a file's content with the names of its columns, then requested columns. Numbers follow an
 answer in their memory layout, to be read into arrays. It imports only pyarrow, so that it starts in
 a tenth of a second.
