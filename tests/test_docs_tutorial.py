@@ -25,10 +25,6 @@ def run(line: str) -> str:
     return done.stdout + done.stderr
 
 
-def test_the_tutorial_is_at_most_900_words():
-    assert len(TEXT.split()) <= 900
-
-
 def test_the_commands_of_the_tutorial_print_what_is_shown(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
