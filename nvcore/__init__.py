@@ -9,10 +9,12 @@ Names are loaded on first use, so that the command line's help need not wait for
 
 from __future__ import annotations
 
+from functools import cache
 from importlib import import_module
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from nvcore.common.subject import public_names, resolve
+from nvcore.common.subject import subjects as _subjects  # nvcore.subjects is a package
 
 __version__ = "0.1.0"
 """Version of the program, written into every output."""
@@ -59,7 +61,7 @@ _HOMES = {
     "nvcore.settings.params": ("Params",),
     "nvcore.settings.protocols": ("PROTOCOLS", "Protocol"),
 }
-"""Names of `__all__` by the module that defines them."""
+"""Names of the core by the module that defines them."""
 _PACKAGES = {
     "detection": "nvcore.metrics.detection",
     "evidence": "nvcore.evidence",
@@ -70,7 +72,6 @@ _PACKAGES = {
     "tables": "nvcore.tables",
 }
 """Packages by their public names."""
-_HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
 
 if TYPE_CHECKING:
     from nvcore import evidence as evidence
@@ -102,18 +103,22 @@ if TYPE_CHECKING:
     )
 
 
+@cache
+def _homes() -> dict[str, str]:
+    """Return the module of each public name, of the core and of subjects."""
+    known = [*_HOMES.items(), *chain(*(subject.names.items() for subject in _subjects()))]
+    return {name: module for module, names in known for name in names}
+
+
 def __getattr__(name: str) -> Any:
     if name in _PACKAGES:
         return import_module(_PACKAGES[name])
-    if name in _HOME_OF:
-        value = getattr(import_module(_HOME_OF[name]), name)
-    elif name in public_names():
-        value = resolve(*public_names()[name])
-    else:
+    if name not in _homes():
         raise AttributeError(f"module 'nvcore' has no attribute {name!r}")
+    value = getattr(import_module(_homes()[name]), name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*__all__, *_PACKAGES, *public_names()})
+    return sorted({*__all__, *_PACKAGES, *_homes()})

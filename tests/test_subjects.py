@@ -8,7 +8,8 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
-from types import ModuleType
+from importlib import import_module
+from itertools import chain
 from typing import Any, NamedTuple
 
 import pytest
@@ -16,11 +17,11 @@ from builders import at, make_dataset
 from inputs import drive, nvcore, write
 from places import ROOT
 
-from nvcore.auditing import Checks, audit
+import nvcore as nv
+from nvcore.auditing import audit
 from nvcore.cli.models import Models
-from nvcore.common import subject as subjects
 from nvcore.common.findings import Caveats, Finding, Severity
-from nvcore.common.subject import Subject, in_place
+from nvcore.common.subject import AddedChecks, Subject, in_place, subjects
 from nvcore.notes.caveats import caveats
 
 
@@ -34,29 +35,31 @@ FINDING = Finding(Severity.WARNING, "toy-broken", "toy", 1, "The toy is broken."
 OF_VIEW = Finding(Severity.NOTE, "toy-far", "toy", 1, "The toy is far.", "Fetch it.")
 
 
+class Toy(Subject):
+    name = "toy"
+
+    def checks(self) -> AddedChecks:
+        caveats = Caveats(warned={"toy-broken": "a toy is broken"}, lesser={})
+        return AddedChecks((lambda _: [FINDING],), (lambda *_: [OF_VIEW],), (caveats,))
+
+    def models(self) -> tuple[Models]:
+        models = Models(
+            list_all=lambda: "toy: a model of a toy",
+            has=lambda model: model == "toy",
+            describe=lambda model, settings: f"{model} with {settings}",
+        )
+        return (models,)
+
+
 @pytest.fixture
 def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A subject of one module."""
-    package, parts = ModuleType("toy"), ModuleType("toy.parts")
-    package.SUBJECT = Subject(
-        name="toy", findings="parts:CHECKS", caveats="parts:CAVEATS", models="parts:MODELS"
-    )
-    parts.CHECKS = Checks(inputs=(lambda _: [FINDING],), view=(lambda *_: [OF_VIEW],))
-    parts.CAVEATS = Caveats(warned={"toy-broken": "a toy is broken"}, lesser={})
-    parts.MODELS = Models(
-        list_all=lambda: "toy: a model of a toy",
-        has=lambda model: model == "toy",
-        describe=lambda model, settings: f"{model} with {settings}",
-    )
-    for module in (package, parts):
-        monkeypatch.setitem(sys.modules, module.__name__, module)
-    monkeypatch.setattr(subjects, "SUBJECTS", (*subjects.SUBJECTS, "toy"))
-    cached = (subjects.subjects, subjects.contributed, caveats)
-    for function in cached:
+    """One more subject."""
+    monkeypatch.setattr("nvcore.subjects.SUBJECTS", (*subjects(), Toy()))
+    for function in (subjects, caveats):
         function.cache_clear()
     yield
     monkeypatch.undo()
-    for function in cached:
+    for function in (subjects, caveats):
         function.cache_clear()
 
 
@@ -64,30 +67,23 @@ def test_the_contract_of_imports_says_which_subject_needs_which():
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
     contracts = settings["tool"]["importlinter"]["contracts"]
     (contract,) = (rule for rule in contracts if rule["name"].startswith("a subject sees no other"))
-    needs = {package: subject.needs for package, subject in subjects.subjects().values()}
+    needs = {subject.__module__: subject.needs for subject in subjects()}
     assert set(contract["modules"]) == set(needs)
     assert contract["ignore_imports"] == [
-        "nvcore -> nvcore.**",
-        *(
-            f"{package}.** -> nvcore.subjects.{name}.**"
-            for package in needs
-            for name in needs[package]
-        ),
+        f"{package}.** -> nvcore.subjects.{name}.**" for package in needs for name in needs[package]
     ]
 
 
 def test_what_a_subject_needs_is_listed_before_it():
     known: list[str] = []
-    for name, (_, subject) in subjects.subjects().items():
+    for subject in subjects():
         assert set(subject.needs) <= set(known)
-        known.append(name)
+        known.append(subject.name)
 
 
-def test_whatever_a_subject_names_is_there():
-    for package, subject in subjects.subjects().values():
-        for reference in (*vars(subject).values(), *subject.names.values()):
-            if isinstance(reference, str) and ":" in reference:
-                subjects.resolve(package, reference)
+def test_public_names_of_subjects_are_there():
+    for module, names in chain(*(subject.names.items() for subject in subjects())):
+        assert {*names} <= {*dir(import_module(module))} & {*dir(nv)}
 
 
 def test_its_checks_are_part_of_the_audit(toy: None):

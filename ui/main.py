@@ -20,7 +20,7 @@ from ui.shell import (
 from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, draw_questions, draw_tabs, page_of
-from ui.subject import contributed
+from ui.subject import subject_pages
 from ui.subjects.people.studies import is_participant, leave_screen
 from ui.widgets.text import plain
 
@@ -44,6 +44,7 @@ pages = all_pages()
 page = st.navigation(list(pages.values()), position="hidden")
 here = page_of(page)
 bar = st.container(key="navigation_place")
+asides = [aside for subject in subject_pages() for aside in subject.asides()]
 
 wrong_params = failure = None
 try:
@@ -57,7 +58,7 @@ try:
     if not is_participant():
         with st.sidebar:  # before the page, to reserve the space
             systems.draw()
-            for aside in contributed("ASIDE"):
+            for aside in asides:
                 aside.draw(page.url_path)
     wrong_params = live_params.read()
     if not is_participant() and here.key not in WRITE_ADDRESS:
@@ -93,10 +94,10 @@ if wrong_params is not None and not is_participant():  # a comparison is open
         tab.draw_window()
 if failure is None and not is_participant():
     try:
-        for aside in contributed("ASIDE"):
+        for aside in asides:
             aside.take_over()  # all is drawn: no click gets lost
     except Exception as error:  # noqa: BLE001  # our bug: do not retry
-        for aside in contributed("ASIDE"):
+        for aside in asides:
             aside.give_up()
         error_banner(error)
         failure = error

@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 import plotly.graph_objects as go
 
 from nvcore.common.palette import Theme
-from nvcore.common.subject import resolve, subjects
 from nvcore.comparison.compare import Result
 from nvcore.settings.stages import Stage, shown_results
+
+if TYPE_CHECKING:
+    from nvcore.inputs.session import Session
+    from ui.jobs.page_run import Aside as Aside
+    from ui.session.routes import Place as Place
+    from ui.subjects.people.studies import Studies
+    from ui.widgets.drawing import Sight as Sight
+
+    AnyStudies = Studies[Any, Any]
+    MakeFiles = Callable[[Session, Session], Mapping[str, "MadeFile"]]
 
 Section = Literal["Compare", "Evidence", "Lab", "Help"]
 """Headings of the navigation."""
@@ -114,30 +123,6 @@ class TimelinePlot:
     make: Callable[[Result, int, Theme], go.Figure]
 
 
-@cache
-def contributed(kind: str) -> tuple[Any, ...]:
-    """Return what each subject adds to one of the dashboard's lists, skipping empty additions.
-
-    Parameters
-    ----------
-    kind
-        Name of a list in `nvcore.common.subject.Subject.ui`, or of a reference ``"module:name"`` to
-        it: ``"PAGES"`` (`Page`), ``"DOCUMENTS"`` (`Document`), ``"ROUTES"``
-        (`ui.session.routes.Place`), ``"STUDIES"`` (tuple of `ui.subjects.people.studies.Studies`),
-        ``"ASIDE"`` (`ui.jobs.page_run.Aside`), ``"PRELOADED"`` (modules that `ui.confined.nursery`
-        loads before it forks, none of them loading Streamlit), ``"TIMELINE_PLOTS"``
-        (`TimelinePlot`), ``"SIGHT"`` (`ui.widgets.drawing.Sight`) or ``"MADE_FILES"`` (function of
-        the session and of the session to write, returning each `MadeFile` by its name in the
-        latter).
-    """
-    rooms = [subject.ui for _, subject in subjects().values() if subject.ui]
-    return tuple(
-        resolve(room, added) if isinstance(added, str) else added
-        for room in rooms
-        if (added := getattr(import_module(room), kind, ""))
-    )
-
-
 @dataclass(frozen=True)
 class EncounterFilter:
     """Filter that a subject adds to the Encounters page.
@@ -184,3 +169,82 @@ class ColumnLook:
     form: str = ".2f"
     is_share: bool = False
     words: Callable[[str], str | None] | None = None
+
+
+@dataclass(frozen=True)
+class AddedEncounters:
+    """Additions to the Encounters page.
+
+    Attributes
+    ----------
+    draw_head, draw_text, draw_ways
+        Draw below the heading of an encounter, below its picture, and among its buttons.
+    filters
+        Filters of the list.
+    columns
+        Names of its main columns.
+    """
+
+    draw_head: Callable[[Result, int], None] = lambda _result, _encounter: None
+    draw_text: Callable[[Result, int], None] = lambda _result, _encounter: None
+    draw_ways: Callable[[Result, int], None] = lambda _result, _encounter: None
+    filters: Sequence[EncounterFilter] = ()
+    columns: Sequence[str] = ()
+
+
+class SubjectPages:
+    """Pages of a subject, and its additions to others. Methods import what they return.
+
+    Attributes
+    ----------
+    pages, documents
+        Its pages, and those of its documentation.
+    timeline_plots
+        Figures on the Timeline page.
+    column_looks
+        Looks of its columns, by name.
+    preloaded
+        Modules that `ui.confined.nursery` loads before it forks, none of them loading Streamlit.
+    """
+
+    pages: Sequence[Page] = ()
+    documents: Sequence[Document] = ()
+    timeline_plots: Sequence[TimelinePlot] = ()
+    column_looks: ClassVar[Mapping[str, ColumnLook]] = {}
+    preloaded: Sequence[str] = ()
+
+    def encounters(self) -> AddedEncounters:
+        """Return its part of the Encounters page."""
+        return AddedEncounters()
+
+    def sights(self) -> Sequence[Sight]:
+        """Return how eyes see pictures of visible light."""
+        return ()
+
+    def made_files(self) -> Sequence[MakeFiles]:
+        """Return functions of the open session and of the one to write: files by name there."""
+        return ()
+
+    def asides(self) -> Sequence[Aside]:
+        """Return its runs that go on while the visitor is on other pages."""
+        return ()
+
+    def routes(self) -> Sequence[Place]:
+        """Return its routes."""
+        return ()
+
+    def studies(self) -> Sequence[AnyStudies]:
+        """Return its tasks for studies with people."""
+        return ()
+
+
+@cache
+def subject_pages() -> tuple[SubjectPages, ...]:
+    """Return the pages of all subjects, in the order in which they are listed."""
+    known: tuple[SubjectPages, ...] = import_module("ui.subjects.registry").SUBJECTS
+    return known
+
+
+def all_sights() -> list[Sight]:
+    """Return how eyes see pictures of visible light, of all subjects."""
+    return [sight for subject in subject_pages() for sight in subject.sights()]

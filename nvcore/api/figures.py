@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from nvcore import figures
 from nvcore.common.errors import InputError
 from nvcore.common.palette import Shade
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.common.wording import MOST_NAMED, did_you_mean, listed
 from nvcore.comparison.compare import Result
 from nvcore.comparison.scoring import SystemResult
@@ -54,12 +54,12 @@ class Figures:
 
     def __dir__(self) -> list[str]:
         own = [name for name in vars(Figures) if not name.startswith("_")]
-        return [*own, *(name for known in contributed("figures") for name in known)]
+        return [*own, *(name for subject in subjects() for name in subject.figures().named)]
 
     def __getattr__(self, name: str) -> Callable[..., go.Figure]:
-        for known in contributed("figures"):
-            if name in known:
-                return partial(known[name], self._result, theme=self._theme)
+        for subject in subjects():
+            if draw := subject.figures().named.get(name):
+                return partial(draw, self._result, theme=self._theme)
         raise AttributeError(f"there is no figure {name!r}; there are {', '.join(dir(self))}")
 
     def dark(self) -> Figures:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any
@@ -49,7 +48,7 @@ from nvcore.auditing.transform_findings import (
 from nvcore.auditing.transforms import above_threshold
 from nvcore.common.errors import MissingExtraError
 from nvcore.common.findings import OF_PICTURES, Finding, Severity, accepted, worst_first
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.dataset import Dataset
 from nvcore.inputs.session import Session
 from nvcore.metrics.matching import match_system
@@ -58,22 +57,6 @@ from nvcore.settings.stages import MATCH, PROXIMITY, THRESHOLD
 
 if TYPE_CHECKING:
     from nvcore.pictures import RecordingPictures
-
-
-@dataclass(frozen=True)
-class Checks:
-    """Checks that a subject adds to the parts of `audit`.
-
-    Attributes
-    ----------
-    inputs
-        Checks added to `audit_inputs`.
-    view
-        Checks added to `audit_view`.
-    """
-
-    inputs: tuple[Callable[[Dataset], Iterable[Finding]], ...] = ()
-    view: tuple[Callable[[Dataset, Params], Iterable[Finding]], ...] = ()
 
 
 def audit(
@@ -175,8 +158,8 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
     for system in (system_source(dataset, name) for name in dataset.systems):
         findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
         findings += audit_same_as_truth(system)
-    for checks in contributed("findings"):
-        findings += chain(*(check(dataset) for check in checks.inputs))
+    for subject in subjects():
+        findings += chain(*(check(dataset) for check in subject.checks().inputs))
     return *dataset.findings, *findings
 
 
@@ -237,8 +220,8 @@ def audit_pair(
 def audit_view(dataset: Dataset, params: Params) -> tuple[Finding, ...]:
     """Run the part of `audit` about the drive as seen by the camera, which is always fast."""
     findings = [*audit_foot_spread(dataset, params), *audit_closing_speed(dataset, params)]
-    for checks in contributed("findings"):
-        findings += chain(*(check(dataset, params) for check in checks.view))
+    for subject in subjects():
+        findings += chain(*(check(dataset, params) for check in subject.checks().view))
     return tuple(findings)
 
 

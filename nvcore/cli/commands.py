@@ -18,7 +18,7 @@ from nvcore.cli.options import examples
 from nvcore.cli.plan import plan
 from nvcore.cli.program import Program
 from nvcore.cli.report import report
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 
 
 @click.group(
@@ -35,7 +35,7 @@ def main() -> None:
 
 for command in (
     *(compare, check, convert, gate, matrix, plan, report, groups),
-    *chain(*contributed("commands")),
+    *chain(*(subject.commands() for subject in subjects())),
     *(models, app, sample),
 ):
     main.add_command(command)

@@ -9,7 +9,7 @@ import click
 
 from nvcore.cli.options import command, grouped_option
 from nvcore.common.arguments import pairs_of
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def models(model: str | None, settings: dict[str, str]) -> None:
     What it was trained on, what it takes, and its settings with their meaning; icf: every setting
     of nvcore train.
     """
-    kinds: tuple[Models, ...] = contributed("models")
+    kinds = [kind for subject in subjects() for kind in subject.models()]
     if model is None:
         if settings:
             raise click.UsageError("--set is about a model; name it")

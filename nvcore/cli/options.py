@@ -21,7 +21,7 @@ from nvcore.common.arguments import (
     Arguments,
     Part,
 )
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.common.wording import listed, one_line
 from nvcore.inputs.facts import FRAME_NAMES
 from nvcore.settings.defaults import POINTS
@@ -425,7 +425,8 @@ def input_flags(command: Callable[..., Any]) -> Callable[..., Any]:
                 metavar="FILE",
                 help=spec.metadata["meaning"].format(system=system),
             )
-            for kind in contributed("system_keys")
+            for subject in subjects()
+            for kind in subject.session_keys().system
             for spec in fields(kind)
             if spec.metadata["meaning"]
         ]

@@ -11,8 +11,8 @@ from nvcore.common.errors import MissingExtraError
 from nvcore.common.subject import subjects
 
 REPORT: Final = ("av", "cv2", "plotly", "tsdownsample")
-OF_SUBJECTS: Final = dict(chain(*(added.extras.items() for _, added in subjects().values())))
-OF_PAGES: Final = chain(*(of.extras.get(name, ()) for name, (_, of) in subjects().items() if of.ui))
+OF_SUBJECTS: Final = dict(chain(*(subject.extras.items() for subject in subjects())))
+OF_PAGES: Final = chain(*(of.extras.get(of.name, ()) for of in subjects() if of.has_pages))
 APP: Final = (*REPORT, *OF_PAGES, "streamlit")
 PACKAGES: Final = {
     "report": REPORT,

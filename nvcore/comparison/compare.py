@@ -12,7 +12,7 @@ import numpy as np
 
 from nvcore.common.errors import InputError
 from nvcore.common.palette import Scheme, Shade, scheme_for
-from nvcore.common.subject import resolve, subjects
+from nvcore.common.subject import subjects
 from nvcore.comparison.scoring import (
     Inputs,
     Made,
@@ -176,8 +176,8 @@ class Result:
 
         Its type is the subject's `view`. Each subject has a typed function for this call.
         """
-        package, known = subjects()[subject]
-        return self.keep(subject, lambda: resolve(package, known.view)(self))
+        known = {of.name: of for of in subjects()}[subject]
+        return self.keep(subject, lambda: known.scores().view(self))
 
     def keep(self, name: str, make: Callable[[], T]) -> T:
         """Return a value that depends only on this comparison, computing it on the first call."""

@@ -11,7 +11,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.common.palette import Theme
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.common.wording import count_text
 from nvcore.comparison.compare import Result
 from nvcore.figures.marks import click_markers, outlines, still_line
@@ -142,7 +142,7 @@ def lanes_figure(
 
     traces = [_bars(runs, *kind, look) for kind in KINDS]
     strip = None
-    for added in contributed("lanes"):
+    for added in _of_subjects():
         strip = added.strip(result, recording, look) or strip
         traces.append(added.marks(result, encounters, 0.6 * lane_px, look))
     traces = [trace for trace in traces if len(trace.x)]
@@ -262,7 +262,7 @@ def _lane_clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter
         track=result.encounters.track[encounter],
         **{letter: _state_at(runs, letter, lane, row) for letter in "xy"},
     )
-    for added in contributed("lanes"):
+    for added in _of_subjects():
         notes = added.note(result, encounter, row)
         texts = [
             f"{text}<br>{note}" if note else text for text, note in zip(texts, notes, strict=True)
@@ -274,6 +274,10 @@ def _lane_clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter
         customdata=np.column_stack([row, encounter]),
         name="frames",
     )
+
+
+def _of_subjects() -> list[Lanes]:
+    return [lanes for subject in subjects() for lanes in subject.figures().lanes]
 
 
 def _state_at(runs: pd.DataFrame, letter: str, lane: np.ndarray, row: np.ndarray) -> list[str]:

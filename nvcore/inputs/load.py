@@ -15,6 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import copy_context
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import TypeVar
 
@@ -24,7 +25,7 @@ import pandas as pd
 from nvcore.common.errors import InputError, UnnamedClassesError
 from nvcore.common.findings import Remedy, Step
 from nvcore.common.progress import Progress, no_progress
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.common.wording import count_text
 from nvcore.dataset import Dataset, refuse_doubles
 from nvcore.dataset.provenance import Provenance, read_provenance
@@ -52,7 +53,6 @@ from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.readers.table import read_table, table_as_file
 from nvcore.inputs.recordings import check_names
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.inputs.session.added import Input
 from nvcore.inputs.session.recordings_file import with_recordings_file
 from nvcore.inputs.speed import SPEEDS
 from nvcore.settings.objects import PEDESTRIAN, Objects
@@ -102,7 +102,7 @@ def load(
         truth = _read(session, session.truth, "truth", "truth", None, truth_table, named)
     names = truth.reading.recordings["name"].tolist()
     loaded = [truth]
-    inputs: tuple[Input, ...] = (SPEEDS, *contributed("inputs"))
+    inputs = (SPEEDS, *chain(*(subject.inputs() for subject in subjects())))
     reserved = [of.name for of in inputs if of.is_named(session)]
     path_names = system_names(session.systems, names)
     for source, by_path in zip(session.systems, path_names, strict=True):

@@ -105,7 +105,7 @@ def _entry(key: str) -> dict[str, Any]:
 @cache
 def entries(topic: str) -> dict[str, dict[str, Any]]:
     """Return the entries of a topic's TOML file by name (the part of a key after the dot)."""
-    package, _ = subjects().get(topic, ("", None))
+    package = next((of.__module__ for of in subjects() if of.name == topic), "")
     place = resources.files(package or __name__)
     return tomllib.loads((place / f"{'notes' if package else topic}.toml").read_text("utf-8"))
 

@@ -7,7 +7,7 @@ from itertools import chain
 from typing import Final
 
 from nvcore.common.findings import Caveats
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 
 CAVEATS: Final = Caveats(
     warned={
@@ -65,7 +65,7 @@ CAVEATS: Final = Caveats(
 @cache
 def caveats() -> Caveats:
     """Return the caveats of all findings, including those of subjects."""
-    every = (CAVEATS, *contributed("caveats"))
+    every = (CAVEATS, *chain(*(subject.checks().caveats for subject in subjects())))
     return Caveats(
         warned=dict(chain(*(known.warned.items() for known in every))),
         lesser=dict(chain(*(known.lesser.items() for known in every))),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.entry import Measure
 from nvcore.dataset import Dataset
@@ -34,6 +34,11 @@ class Remarks:
     recordings: tuple[str, Callable[[Dataset], list[str]]]
 
 
+def all_remarks() -> list[Remarks]:
+    """Return the remarks of all subjects."""
+    return [remarks for subject in subjects() for remarks in subject.report().remarks]
+
+
 def remarks_on(result: Result) -> list[Note]:
     """Return the remarks of all subjects for below the scorecard."""
-    return [note for of in contributed("remarks") for note in of.note(result)]
+    return [note for remarks in all_remarks() for note in remarks.note(result)]

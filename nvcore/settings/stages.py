@@ -10,7 +10,7 @@ from itertools import chain
 from typing import Any, Final
 
 from nvcore.common.errors import ParameterError
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ SALIENCY: Final = Stage("saliency of recordings", "Saliency", (EVENTS,), "salien
 def shown_results() -> tuple[Stage, ...]:
     """Return the stages whose results are shown, in the order in which they are named."""
     own = (MATCH, SIMILARITY, LOW, ENCOUNTERS, SEVERITY, SALIENCY)
-    return (*own, *chain(*contributed("results")))
+    return (*own, *chain(*(subject.settings().shown for subject in subjects())))
 
 
 AUDITED: Final = (THRESHOLD, MATCH, PROXIMITY)
@@ -182,6 +182,13 @@ class Setting:
             raise ParameterError(f"{name}: expected {self.range_text}, got {value:g}")
         if self.is_whole and not float(value).is_integer():
             raise ParameterError(f"{name}: expected a whole number, got {value:g}")
+
+
+class SubjectSettings:
+    """Base of the classes of settings that subjects add to `Params`."""
+
+    def check_together(self) -> None:
+        """Refuse values that contradict each other, by a ParameterError."""
 
 
 def setting(stage: Stage, default: float | str | None, **known: Any) -> Any:

@@ -8,7 +8,7 @@ from enum import StrEnum
 from itertools import chain
 from typing import Any, Final
 
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.entry import Condition, Measure, is_met
 
@@ -103,7 +103,8 @@ def added_columns(file: str) -> tuple[Column, ...]:
     """Return the columns that subjects add to a file, in order."""
     return tuple(
         replace(column, only_if=part.only_if)
-        for part in chain(*contributed("columns"))
+        for subject in subjects()
+        for part in subject.tables().columns
         if part.file == file
         for column in part.columns
     )
@@ -112,7 +113,7 @@ def added_columns(file: str) -> tuple[Column, ...]:
 def added_values(file: str, result: Result) -> dict[str, Any]:
     """Return the values of the `added_columns` that a comparison has, by name."""
     values: dict[str, Any] = {}
-    for part in chain(*contributed("columns")):
+    for part in chain(*(subject.tables().columns for subject in subjects())):
         if part.file == file and is_met(part.only_if, result):
             values |= part.values(result)
     return values

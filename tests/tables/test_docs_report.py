@@ -21,7 +21,7 @@ from places import ROOT
 
 from nvcore.common.findings import Cases, Finding, Severity
 from nvcore.common.output.csv_text import to_csv_bytes
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.comparison.compare import compare
 from nvcore.dataset.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
 from nvcore.evidence.pairwise import pairwise_table
@@ -231,7 +231,7 @@ def test_pandas_keeps_the_miss_class_none_apart_from_an_empty_cell(report):
 
 
 def test_the_shown_columns_of_systems_are_all_of_x_before_all_of_y():
-    added = list(chain(*contributed("columns")))
+    added = list(chain(*(subject.tables().columns for subject in subjects())))
     own = [
         columns[: len(columns) - len(added_columns(file))]
         for file, columns in report_columns().items()

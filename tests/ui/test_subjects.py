@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import runpy
-import sys
 from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 from asgi import ask
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 
-from nvcore.common import subject as subjects
-from nvcore.common.subject import Subject
 from nvcore.settings.stages import SALIENCY
 from nvcore.subjects.ratings.clip_task import RatingStore
 from ui.serving.life import check_start
 from ui.session.routes import Place
 from ui.shell import pages
-from ui.subject import Document, Page, contributed
+from ui.subject import Document, Page, SubjectPages, subject_pages
 from ui.subjects.people.studies import Studies
 from ui.views.documentation import page as documentation
 
@@ -37,26 +33,25 @@ class ToyStudies(Studies):
         return RatingStore(self.file())
 
 
+class ToyPages(SubjectPages):
+    pages = (Page("toy", "Toy", "Compare", after="overview", shown=(), own=(SALIENCY,)),)
+    documents = (Document("toy", "The toy", after="metrics"),)
+
+    def routes(self) -> tuple[Place]:
+        return (Place("toy/{row}", answer),)
+
+    def studies(self) -> tuple[ToyStudies]:
+        return (ToyStudies(),)
+
+
 @pytest.fixture
 def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A subject whose room has pages, a place and studies."""
-    package, room, parts = (ModuleType(name) for name in ("toy", "toy_room", "toy_room.parts"))
-    package.SUBJECT = Subject(name="toy", ui="toy_room")
-    room.ROUTES, room.STUDIES = "parts:ROUTES", "parts:STUDIES"
-    room.PAGES = (Page("toy", "Toy", "Compare", after="overview", shown=(), own=(SALIENCY,)),)
-    room.DOCUMENTS = (Document("toy", "The toy", after="metrics"),)
-    parts.ROUTES = (Place("toy/{row}", answer),)
-    parts.STUDIES = (ToyStudies(),)
-    for module in (package, room, parts):
-        monkeypatch.setitem(sys.modules, module.__name__, module)
-    monkeypatch.setattr(subjects, "SUBJECTS", (*subjects.SUBJECTS, "toy"))
-    forget = (subjects.subjects.cache_clear, subjects.contributed.cache_clear)
-    for clear in (*forget, contributed.cache_clear):
-        clear()
+    """One more subject, with pages, a route and studies."""
+    monkeypatch.setattr("ui.subjects.registry.SUBJECTS", (*subject_pages(), ToyPages()))
+    subject_pages.cache_clear()
     yield
     monkeypatch.undo()
-    for clear in (*forget, contributed.cache_clear):
-        clear()
+    subject_pages.cache_clear()
 
 
 def test_its_page_stands_where_it_says(toy: None):

@@ -27,7 +27,7 @@ import nvcore.pictures.open  # noqa: F401  # loaded for the forked processes
 from nvcore.common.errors import NvcoreError
 from ui.confined.transfer import Fault, Step, send_answer
 from ui.settings.limits import MEBI
-from ui.subject import contributed
+from ui.subject import subject_pages
 
 ENDS_FIRST = "900"
 """OOM score (of 1000) at which the kernel kills these processes before the server.
@@ -41,7 +41,7 @@ MOST_TEXT = 300
 
 def main(control: socket.socket) -> None:
     """Fork a process for each received connection, until the server has ended."""
-    for module in chain(*contributed("PRELOADED")):
+    for module in chain(*(subject.preloaded for subject in subject_pages())):
         import_module(module)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C ends the server, which ends us
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for the processes

@@ -36,7 +36,7 @@ from ui.session.results import cached_evidence, cached_findings, cached_miss_rat
 from ui.session.state import kept_result, shared_start
 from ui.settings.limits import limits_of_environment
 from ui.settings.start import start_file
-from ui.subject import contributed
+from ui.subject import subject_pages
 
 _shutdown = threading.Event()
 EVERY_S: Final = 3600.0
@@ -101,7 +101,7 @@ def check_start() -> None:
     session = start_file()
     if session is not None:
         find_all(read_session(session))
-    for studies in chain(*contributed("STUDIES")):
+    for studies in chain(*(subject.studies() for subject in subject_pages())):
         if os.environ.get(studies.variable):
             studies.store()
     try:
@@ -165,7 +165,7 @@ async def keep_deleting_ended() -> None:
 
 def delete_ended() -> None:
     """Delete finished studies with all their answers."""
-    for studies in chain(*contributed("STUDIES")):
+    for studies in chain(*(subject.studies() for subject in subject_pages())):
         if not studies.file().is_file():
             continue
         try:

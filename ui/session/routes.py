@@ -46,7 +46,7 @@ from ui.session.packed_comparison import can_pack, pack_boxes, pack_comparison, 
 from ui.session.uploads import UploadError, receive
 from ui.session.workspace import PICTURES, Workspace, workspace_of
 from ui.settings.start import base_path
-from ui.subject import contributed
+from ui.subject import all_sights, subject_pages
 
 Answer = Callable[[Request], Awaitable[Response]]
 Handler = Callable[[Request, Workspace], Awaitable[Response]]
@@ -131,7 +131,7 @@ async def visible(request: Request, space: Workspace) -> Response:
 
     def show(read: Picture) -> Picture:
         picture = stretch(read)
-        for sight in contributed("SIGHT"):
+        for sight in all_sights():
             picture = sight.show(picture, seen_s)
         return picture
 
@@ -255,7 +255,7 @@ def routes_below(start: str) -> list[Route]:
 
     ``st.App(routes=...)`` does not add the base path by itself.
     """
-    places = chain(OWN, *contributed("ROUTES"))
+    places = chain(OWN, *(subject.routes() for subject in subject_pages()))
     return [
         Route(f"{start}/overview", overview, methods=["GET"]),
         Route(f"{start}{PLOTLY}", drawing_library, methods=["GET"]),

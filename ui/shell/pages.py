@@ -7,8 +7,7 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.common.subject import contributed as results_of_subjects
-from nvcore.common.subject import in_place
+from nvcore.common.subject import in_place, subjects
 from nvcore.settings.stages import (
     ENCOUNTERS,
     EVENTS,
@@ -22,9 +21,9 @@ from nvcore.settings.stages import (
 from ui.session import state
 from ui.shell.navigate import PAGES
 from ui.streamlit_inside.types import StreamlitPage
-from ui.subject import Page, contributed
+from ui.subject import Page, subject_pages
 
-_ADDED: Final = tuple(chain(*results_of_subjects("results")))
+_ADDED: Final = tuple(chain(*(subject.settings().shown for subject in subjects())))
 """Stages whose results the subjects add to the pages about moments and encounters."""
 COMPARE: Final = "Compare"
 EVIDENCE: Final = "Evidence"
@@ -65,7 +64,7 @@ _PAGES: Final[tuple[Page, ...]] = in_place(
         Page("export", "Export", HELP, is_folded=True, icon=":material/download:"),
         Page("metrics", "Documentation", HELP, shown=(), icon=":material/help:"),
     ),
-    chain(*contributed("PAGES")),
+    chain(*(subject.pages for subject in subject_pages())),
 )
 START: Final = "overview"
 """The page that the app opens on."""

@@ -13,7 +13,7 @@ from nvcore.tables.boxes.states import gather_boxes
 from nvcore.tables.moments import next_misses
 from ui.session import state, store
 from ui.session.chosen import choose_encounter, chosen_encounter
-from ui.subject import contributed
+from ui.subject import all_sights
 from ui.widgets import drawing
 from ui.widgets.drawing import (
     Look,
@@ -86,7 +86,7 @@ def draw(
         fits_window=fits_window,
         key=key,
     )
-    for sight in contributed("SIGHT"):
+    for sight in all_sights():
         if arguments["visible"] is not None and (trouble := sight.trouble(recording)):
             st.caption(plain(trouble))
 

@@ -19,7 +19,7 @@ from nvcore.pictures.mapped import MappedPictures
 from nvcore.pictures.stretch import STRETCH
 from nvcore.settings.stages import COST
 from ui.session import state, store
-from ui.subject import contributed
+from ui.subject import all_sights
 
 NAMES: Final = ("picture", "blend", "seen_s")
 """Address entries of a look."""
@@ -317,6 +317,6 @@ def visible_of(recording: int) -> VisiblePictures | None:
     if recording not in pictures.sources:
         return None
     visible = VisiblePictures(pictures.area_of(recording), pictures.indices[recording] >= 0)
-    for sight in contributed("SIGHT"):
+    for sight in all_sights():
         visible = sight.add_light(recording, visible)
     return visible

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import Final
 
 import pandas as pd
@@ -12,7 +13,7 @@ from nvcore.figures.encounters import CLASS_WORDS
 from nvcore.tables.column import CellKind, Column
 from nvcore.tables.columns import report_columns
 from ui.session import state
-from ui.subject import ColumnLook, contributed
+from ui.subject import ColumnLook, subject_pages
 from ui.widgets.table import TableColumn
 
 CATEGORY_WORDS: Final = {kind.value: text for kind, text in WORDS.items()}
@@ -45,7 +46,7 @@ LOOKS: Final[dict[str, ColumnLook]] = {
     "weight_s": ColumnLook("Weight (s)"),
     "rest_s": ColumnLook("Rest (s)"),
     "saliency_s": ColumnLook("Saliency (s)"),
-    **{name: look for looks in contributed("COLUMN_LOOKS") for name, look in looks.items()},
+    **dict(chain(*(subject.column_looks.items() for subject in subject_pages()))),
 }
 """Formats of columns that differ from the default for name and kind, without system letter."""
 MOST_ROWS: Final = 5000

@@ -33,7 +33,7 @@ Arrays = Mapping[str, NDArray[Any]]
 LONGEST_NAME: Final = 200
 ABOUT: Final = "about"
 """Name of the array with the bytes of the JSON."""
-FORMATS: Final = dict(chain(*(subject.formats.items() for _, subject in subjects().values())))
+FORMATS: Final = dict(chain(*(subject.formats.items() for subject in subjects())))
 """Description of each kind of model, by the format that its JSON names."""
 _TIME: Final = (1980, 1, 1, 0, 0, 0)
 _ZIP: Final = b"PK"

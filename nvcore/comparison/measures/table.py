@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.common.errors import ParameterError
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.common.wording import LEAST_HOURLY_S, did_you_mean, difference, duration_text, one_line
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.entry import HOUR_S, PER_HOUR, Inference, Measure, MeasureTable
@@ -32,7 +32,7 @@ from nvcore.settings.primary import Primary, now_text
 MEASURES: Final[tuple[Measure, ...]] = (
     *FRAME_MEASURES,
     *ENCOUNTER_MEASURES,
-    *chain(*contributed("measures")),
+    *chain(*(subject.scores().measures for subject in subjects())),
     *ALARM_MEASURES,
     *CURVE_MEASURES,
 )
@@ -110,7 +110,7 @@ def counted() -> dict[str, Callable[[Result], np.ndarray]]:
 
     Each is bool, shape (n_encounters,).
     """
-    return {name: of for known in contributed("counts") for name, of in known.items()}
+    return dict(chain(*(subject.scores().counts.items() for subject in subjects())))
 
 
 def count_recordings(result: Result) -> int:
@@ -140,7 +140,8 @@ def applies_to(result: Result, measure: Measure) -> bool:
 
 def doubt_of(result: Result, measure: Measure) -> str:
     """Return why a measure is too doubtful for claims or for a better value, or "" if it is not."""
-    return next(filter(None, (doubt(result, measure) for doubt in contributed("doubts"))), "")
+    doubts = chain(*(subject.report().doubts for subject in subjects()))
+    return next(filter(None, (doubt(result, measure) for doubt in doubts)), "")
 
 
 def hides_rate(measure: Measure, duration_s: float | np.ndarray) -> Any:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.dataset import Dataset
 from nvcore.dataset.columns import BoxColumns, FrameColumns
 from nvcore.metrics.encounters import Encounters
@@ -158,7 +158,8 @@ def steps_of(
     kind: Literal["truth", "system", "both"], own: Sequence[ScoringStep]
 ) -> tuple[ScoringStep, ...]:
     """Return the core's own steps of a kind, followed by those of subjects."""
-    return tuple(step for step in chain(own, *contributed("steps")) if step.of == kind)
+    every = chain(own, *(subject.scores().steps for subject in subjects()))
+    return tuple(step for step in every if step.of == kind)
 
 
 @dataclass(frozen=True)
@@ -182,7 +183,8 @@ def miss_factors(dataset: Dataset, params: Params) -> dict[str, np.ndarray]:
 
     The keys are `MissWeights.label`.
     """
-    factors = {of.label: of.weigh(dataset, params) for of in contributed("miss_weights")}
+    every = chain(*(subject.scores().miss_weights for subject in subjects()))
+    factors = {of.label: of.weigh(dataset, params) for of in every}
     return {label: weights for label, weights in factors.items() if weights is not None}
 
 

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import evidence_keys, inference_of, repeated_by
 from nvcore.comparison.scoring import SystemResult
@@ -190,8 +190,8 @@ def _narrow(result: Result, part: Subgroup) -> Result:
     if part.has_frames:
         is_of_part = part.recordings[result.encounters.recording]
     made = dict(result.made)
-    for restrict in contributed("restrict"):
-        made |= restrict(made, is_of_part)
+    for subject in subjects():
+        made |= subject.scores().restrict(made, is_of_part)
     return replace(
         result,
         category=category,

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, get_type_hints
 
 from nvcore.common.errors import SessionError
 from nvcore.common.file_kinds import composed
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.inputs.box_layouts import parse_layout
 from nvcore.inputs.facts import (
     FRAME_NAMES,
@@ -28,6 +29,7 @@ from nvcore.inputs.facts import (
 from nvcore.settings.defaults import Settings, as_names, new_names
 from nvcore.settings.params.traffic import parse_context
 
+_KEYS: Final = [subject.session_keys() for subject in subjects()]
 if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role
 
@@ -39,9 +41,13 @@ if TYPE_CHECKING:
     TablesOfSubjects = KeysOfSubjects
     SystemKeysOfSubjects = KeysOfSubjects
 else:
-    KeysOfSubjects = type("KeysOfSubjects", contributed("recording_keys")[::-1], {})
-    SystemKeysOfSubjects = type("SystemKeysOfSubjects", contributed("system_keys")[::-1], {})
-    TablesOfSubjects = type("TablesOfSubjects", contributed("session_tables")[::-1], {})
+
+    def _base(*kinds: Sequence[type]) -> type:
+        return type("OfSubjects", tuple(chain(*kinds))[::-1], {})  # fields of the last come first
+
+    KeysOfSubjects = _base(*(keys.recording for keys in _KEYS))
+    SystemKeysOfSubjects = _base(*(keys.system for keys in _KEYS))
+    TablesOfSubjects = _base(*(keys.tables for keys in _KEYS))
 
 MAX_OFFSET_FRAMES: Final = 1_000_000
 """Largest correction of frame numbers."""
@@ -52,11 +58,11 @@ GREATEST_SCALE: Final = 100.0
 GREATEST_OFFSET_PX: Final = 100_000.0
 """Limit of the offset in `visible_map`."""
 TABLES_OF_SUBJECTS: Final[Mapping[str, type]] = {
-    name: kind for of in contributed("session_tables") for name, kind in get_type_hints(of).items()
+    name: kind for keys in _KEYS for of in keys.tables for name, kind in get_type_hints(of).items()
 }
 """Types of the session tables that subjects add, by name."""
 SYSTEM_KEYS_OF_SUBJECTS: Final = tuple(
-    name for of in contributed("system_keys") for name in get_type_hints(of)
+    name for keys in _KEYS for of in keys.system for name in get_type_hints(of)
 )
 """Keys of a ``[[system]]`` that subjects add."""
 

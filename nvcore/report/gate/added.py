@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nvcore.common.subject import subjects
 from nvcore.comparison.compare import Result
 from nvcore.notes import Note
 
@@ -32,3 +33,8 @@ class RulesOf:
     notes: Callable[[Result, str], tuple[Note, ...]]
     counted: Mapping[str, Callable[[Result], np.ndarray]]
     is_open: Callable[[Result], np.ndarray]
+
+
+def added_rules() -> list[RulesOf]:
+    """Return the contributions of all subjects."""
+    return [rules for subject in subjects() for rules in subject.report().rules]

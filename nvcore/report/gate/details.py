@@ -9,14 +9,13 @@ from typing import Final
 import numpy as np
 
 from nvcore.common.findings import Finding
-from nvcore.common.subject import contributed
 from nvcore.common.wording import LEAST_HOURLY_S, duration_text
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import hides_rate
 from nvcore.dataset.schema import Category
 from nvcore.evidence.operating_points import alarms_as_set, is_undecided
 from nvcore.notes import Note, phrase, say
-from nvcore.report.gate.added import RulesOf
+from nvcore.report.gate.added import added_rules
 from nvcore.report.gate.measures import (
     COUNTED_ENCOUNTERS,
     COUNTED_FINDINGS,
@@ -45,9 +44,8 @@ def _details(outcome: RuleOutcome, result: Result, findings: Sequence[Finding]) 
     if name in MEASURE_OF and hides_rate(MEASURE_OF[name], result.duration_s):
         asked, there = duration_text(LEAST_HOURLY_S), duration_text(result.duration_s)
         return (f"No rate per hour is given of less than {asked}: the recordings last {there}",)
-    of_subjects: tuple[RulesOf, ...] = contributed("rules")
     known = tuple(
-        say(note, result.objects) for of in of_subjects for note in of.notes(result, name)
+        say(note, result.objects) for of in added_rules() for note in of.notes(result, name)
     )
     if outcome.is_passed:
         return known
@@ -55,7 +53,7 @@ def _details(outcome: RuleOutcome, result: Result, findings: Sequence[Finding]) 
     if counted in COUNTED_ENCOUNTERS:
         category = COUNTED_ENCOUNTERS[counted]
         return tuple(encounters_of(result, category, members(result, name)))
-    for of in of_subjects:
+    for of in added_rules():
         if name in of.counted:
             is_counted, is_open = of.counted[name](result), of.is_open(result)
             return (*known, *_listed(result, is_counted, is_open=is_open))

@@ -12,7 +12,6 @@ import pandas as pd
 
 from nvcore.common.arguments.plan import Side
 from nvcore.common.findings import Finding, Severity
-from nvcore.common.subject import contributed
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.entry import is_met
 from nvcore.comparison.measures.table import MEASURES, is_usable, measure_of
@@ -27,6 +26,7 @@ from nvcore.metrics.detection.curve_summary import summarise_curve
 from nvcore.metrics.detection.curves import detection_curve
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import Venn, count_categories
+from nvcore.report.gate.added import added_rules
 from nvcore.report.gate.rules import OF_CLASSES, class_in
 from nvcore.report.verdict import verdict
 from nvcore.settings.protocols import Protocol
@@ -154,7 +154,7 @@ def gate_measures(
         values |= _count_claims(result, findings, evidence, companions)
     values |= _may_be_worse(result, protocol, needed, evidence)
     values |= _of_classes(result, needed)
-    undefined = {name for of in contributed("rules") for name in of.undefined(result)}
+    undefined = {name for of in added_rules() for name in of.undefined(result)}
     unusable = {measure.key for measure in MEASURES if not is_usable(result, measure)}
     undefined |= {name for name, measure in MEASURE_OF.items() if measure.key in unusable}
     values |= dict.fromkeys(values.keys() & undefined, math.nan)

@@ -8,9 +8,9 @@ from typing import Final
 from xml.etree import ElementTree
 
 from nvcore.common.findings import Finding
-from nvcore.common.subject import contributed
 from nvcore.common.wording import markdown_text, one_line
 from nvcore.comparison.measures.table import MEASURES
+from nvcore.report.gate.added import added_rules
 from nvcore.report.gate.measures import (
     COUNTED_CLAIMS,
     COUNTED_ENCOUNTERS,
@@ -31,7 +31,7 @@ def _stem(name: str) -> str:
 
 _BLIND_TO_ALARMS: Final = {
     *map(_stem, (*COUNTED_ENCOUNTERS, "exclusivity", "boxes", "lead_time_s")),
-    *(_stem(name) for of in contributed("rules") for name in of.counted),
+    *(_stem(name) for of in added_rules() for name in of.counted),
     *(
         _stem(measure.rule or measure.key)
         for measure in MEASURES

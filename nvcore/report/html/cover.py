@@ -9,7 +9,6 @@ from typing import Final
 import pandas as pd
 
 from nvcore.common.arguments.report import Inscription
-from nvcore.common.subject import contributed
 from nvcore.common.wording import count_text, duration_text, one_line
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import count_recordings
@@ -18,6 +17,7 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import alarms_as_set, are_unequal, point_note
 from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.notes import Note, phrase
+from nvcore.report.remarks import all_remarks
 from nvcore.report.section import Photo
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import Verdict
@@ -156,7 +156,7 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
                 conclusion.say(conclusion.doubt),
                 conclusion.say(as_set),
                 conclusion.say(Note("sections.short_encounters")) if result.is_short else "",
-                *(conclusion.say(*remarks.limits(result)) for remarks in contributed("remarks")),
+                *(conclusion.say(*remarks.limits(result)) for remarks in all_remarks()),
                 conclusion.say(scope),
                 *points,
                 sampling_note(result.dataset.frame_columns),

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from itertools import chain
 from typing import Final
 
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.comparison.compare import Result
 from nvcore.evidence.operating_points import alarms_as_set, are_unequal
 from nvcore.notes import Note
-from nvcore.report.section import Paragraphs, Section
+from nvcore.report.section import Paragraphs, Section, SectionOf
 from nvcore.report.sections.encounters import encounters_section
 from nvcore.report.sections.results import (
     false_alerts_section,
@@ -42,11 +41,15 @@ def result_sections(result: Result) -> list[Section]:
     """
     return [
         encounters_section(result),
-        *(of.make(result) for of in chain(*contributed("sections")) if of.applies(result)),
+        *(of.make(result) for of in _of_subjects() if of.applies(result)),
         similarity_section(result),
         saliency_section(result),
         false_alerts_section(result),
     ]
+
+
+def _of_subjects() -> list[SectionOf]:
+    return [section for subject in subjects() for section in subject.report().sections]
 
 
 def with_cautions(sections: Iterable[Section], result: Result) -> list[Section]:
@@ -54,7 +57,7 @@ def with_cautions(sections: Iterable[Section], result: Result) -> list[Section]:
     cautions: dict[str, list[Note]] = {}
     if are_unequal(result):
         as_set = Note("verdict.unequal_above", alarms=alarms_as_set(result))
-        of_subjects = (of.anchor for of in chain(*contributed("sections")))
+        of_subjects = (of.anchor for of in _of_subjects())
         cautions |= {anchor: [as_set] for anchor in (*AS_SET_SECTIONS, *of_subjects)}
     if result.is_short:
         for anchor, note in CAUTIONS.items():

@@ -10,7 +10,6 @@ import pandas as pd
 
 from nvcore import __version__
 from nvcore.common.findings import Finding
-from nvcore.common.subject import contributed
 from nvcore.common.wording import UNDEFINED, capitalised, count_text
 from nvcore.comparison.compare import Result
 from nvcore.evidence.bootstrap import N_RESAMPLES, SEED
@@ -22,6 +21,7 @@ from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
 from nvcore.metrics.proximity import in_use
 from nvcore.notes import Note
+from nvcore.report.remarks import all_remarks
 from nvcore.report.section import (
     Block,
     Cell,
@@ -137,7 +137,7 @@ def _recordings(result: Result) -> Table:
         "Horizon (px)": ("horizon", "g"),
         "Tags": lambda row: ", ".join(row["tags"]) or UNDEFINED,
     }
-    for title, texts_of in (remarks.recordings for remarks in contributed("remarks")):
+    for title, texts_of in (remarks.recordings for remarks in all_remarks()):
         texts = texts_of(dataset)
         if any(texts):
             rows[title] = [text or UNDEFINED for text in texts]

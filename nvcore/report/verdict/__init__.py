@@ -10,7 +10,7 @@ from typing import Final
 import pandas as pd
 
 from nvcore.common.findings import Finding, Severity
-from nvcore.common.subject import contributed, in_place
+from nvcore.common.subject import in_place, subjects
 from nvcore.common.wording import capitalised
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import as_shown
@@ -217,7 +217,8 @@ def verdict(
         ),
         (
             Point(of.topic, of.find(result), of.after, of.is_warning)
-            for of in chain(*contributed("points"))
+            for subject in subjects()
+            for of in subject.report().points
         ),
     )
     return Verdict(

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from nvcore.common.subject import contributed
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import evidence_form, measure_of, shown_as
 from nvcore.evidence.claims import Claim, Support, find_within, has_primary
@@ -18,6 +17,7 @@ from nvcore.evidence.measures import primary_of
 from nvcore.evidence.operating_points import are_unequal, has_scores
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
 from nvcore.notes import Note
+from nvcore.report.remarks import all_remarks
 
 
 def headline(
@@ -88,7 +88,7 @@ def _conclusion(
 def _remarks(result: Result, claims: Sequence[Claim]) -> list[Note]:
     """Return what subjects add to claims about their measures."""
     measures = [measure_of(claim.key) for claim in claims]
-    remarks = (subject.of_claims(result, measures) for subject in contributed("remarks"))
+    remarks = (known.of_claims(result, measures) for known in all_remarks())
     return [remark for remark in remarks if remark is not None]
 
 

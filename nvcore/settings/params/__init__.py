@@ -10,10 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import cache
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
 from nvcore.common.errors import ParameterError
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.common.wording import did_you_mean
 from nvcore.settings.params.judging import JudgingSettings, Match, MatchClass
 from nvcore.settings.params.saliency import (
@@ -57,10 +58,11 @@ __all__ = [
 ]
 
 
+_OF_SUBJECTS: Final = tuple(chain(*(subject.settings().fields for subject in subjects())))
 if TYPE_CHECKING:
     OfSubjects: Any
 else:
-    OfSubjects = type("OfSubjects", contributed("settings")[::-1], {})
+    OfSubjects = type("OfSubjects", _OF_SUBJECTS[::-1], {})
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ class Params(  # fields of the last base come first
     def __post_init__(self) -> None:
         for name, known in SETTINGS.items():
             known.check(name, getattr(self, name))
-        for kind in contributed("settings"):
+        for kind in _OF_SUBJECTS:
             kind.check_together(self)
 
     def given(self) -> dict[str, float | str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from nvcore.settings.stages import MATCH, PROXIMITY, Stage, setting
+from nvcore.settings.stages import MATCH, PROXIMITY, Stage, SubjectSettings, setting
 from nvcore.subjects.driver.comparison.settings import DRIVER
 from nvcore.subjects.time_left.settings import URGENCY
 
@@ -14,9 +14,6 @@ ALERTS: Final = Stage("alerts", "Alerts", (MATCH, PROXIMITY, URGENCY, DRIVER), "
 IN_TIME: Final = Stage("in time for the driver", "Alerts", (ALERTS,))
 
 SPEEDING: Final = Stage("speed alerts", "Alerts", (MATCH,))
-
-RESULTS: Final = (ALERTS,)
-"""Stages whose results are shown."""
 
 Asked = Literal["off", "policy", "log"]
 Oracle = Literal["off", "on"]
@@ -48,7 +45,7 @@ _SPEEDING: Final[dict[str, Any]] = {"stage": SPEEDING, "used_with": None, "appli
 
 
 @dataclass(frozen=True)
-class AlertSettings:
+class AlertSettings(SubjectSettings):
     """Settings in `params.Params` that determine when a system alerts the driver."""
 
     alerts: Asked = _setting(
@@ -159,6 +156,3 @@ class AlertSettings:
         label="Unit of limits",
         meaning="Unit of the limits that signs show. Of effect as the setting before.",
     )
-
-    def check_together(self) -> None:
-        """Accept any combination of values."""

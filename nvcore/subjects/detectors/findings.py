@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.auditing import Checks
 from nvcore.auditing.cases import place_of_frame, spelled
 from nvcore.common.findings import Cases, Caveats, Finding, Remedy, Severity, Step
 from nvcore.dataset import Dataset
@@ -157,6 +156,3 @@ def _other_files(dataset: Dataset, name: str, record: Provenance) -> list[Findin
             file=str(others.iloc[0]) if len(others) == 1 else "",
         )
     ]
-
-
-CHECKS: Final = Checks(inputs=(audit_provenance,))

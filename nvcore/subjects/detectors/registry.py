@@ -11,13 +11,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
-from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
 from nvcore.common.errors import ParameterError
 from nvcore.common.file_kinds import binary_kind
-from nvcore.common.subject import resolve
 from nvcore.common.wording import did_you_mean, listed, one_line
 from nvcore.dataset.provenance import About, Setting
 from nvcore.subjects.detectors.base import Detector, DetectorError
@@ -62,7 +61,10 @@ class DetectorKind:
     loosest: Mapping[str, Setting] = field(default_factory=dict)
 
 
-_of_package: Final = partial(resolve, __package__)
+def _of_package(reference: str) -> Any:
+    """Import the object that a reference such as ``"hog:HogSettings"`` names in this package."""
+    module, _, name = reference.partition(":")
+    return getattr(import_module(f"{__package__}.{module}"), name)
 
 
 def _open_icf(text: str, settings: Mapping[str, Any]) -> Detector:

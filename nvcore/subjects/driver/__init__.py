@@ -1,41 +1,71 @@
 """Estimates of what drivers see unaided: picture features, estimators, and trials with people."""
 
-from nvcore.common.subject import Subject
+from __future__ import annotations
 
-SUBJECT = Subject(
-    name="driver",
-    needs=("time_left",),
-    settings="comparison.settings:DriverSettings",
-    results="comparison.settings:RESULTS",
-    steps="comparison.steps:STEPS",
-    view="comparison.steps:driver_view",
-    miss_weights="comparison.steps:MISS_WEIGHTS",
-    findings="findings:CHECKS",
-    caveats="findings:CAVEATS",
-    recording_keys="inputs.session:DriverEntry",
-    session_tables="inputs.session:DriverTables",
-    inputs="inputs.joining:INPUT",
-    commands="calls.commands:COMMANDS",
-    measures="comparison.measures:MEASURES",
-    counts="comparison.measures:COUNTS",
-    doubts="comparison.notes:doubt_of",
-    columns="comparison.columns:COLUMNS",
-    entries="comparison.columns:ENTRIES",
-    points="comparison.report:POINTS",
-    remarks="comparison.report:REMARKS",
-    sections="comparison.report:SECTIONS",
-    rules="comparison.gate:RULES",
-    models="evaluation.estimator_report:MODELS",
-    formats={
+from collections.abc import Sequence
+from typing import ClassVar
+
+from nvcore.common import subject
+
+
+class Driver(subject.Subject):
+    name = "driver"
+    needs = ("time_left",)
+    names: ClassVar = {
+        "nvcore.subjects.driver.calls.python": (
+            *("driver_features", "estimate_driver", "evaluate_driver", "image_features"),
+            "train_driver",
+        ),
+    }
+    formats: ClassVar = {
         "nvcore-driver": "an estimator of what the driver sees, which nvcore driver estimate takes"
-    },
-    names={
-        "driver_features": "calls.python:driver_features",
-        "estimate_driver": "calls.python:estimate_driver",
-        "evaluate_driver": "calls.python:evaluate_driver",
-        "image_features": "calls.python:image_features",
-        "train_driver": "calls.python:train_driver",
-    },
-    extras={"driver": ("av", "cv2", "sklearn")},
-    ui="ui.subjects.driver",
-)
+    }
+    extras: ClassVar = {"driver": ("av", "cv2", "sklearn")}
+
+    def settings(self) -> subject.AddedSettings:
+        from nvcore.subjects.driver.comparison.settings import DRIVER, DriverSettings
+
+        return subject.AddedSettings((DriverSettings,), shown=(DRIVER,))
+
+    def session_keys(self) -> subject.AddedKeys:
+        from nvcore.subjects.driver.inputs.session import DriverEntry, DriverTables
+
+        return subject.AddedKeys(recording=(DriverEntry,), tables=(DriverTables,))
+
+    def inputs(self) -> Sequence[subject.Input]:
+        from nvcore.subjects.driver.inputs.joining import INPUT
+
+        return (INPUT,)
+
+    def scores(self) -> subject.AddedScores:
+        from nvcore.subjects.driver.comparison.measures import COUNTS, MEASURES
+        from nvcore.subjects.driver.comparison.steps import MISS_WEIGHTS, STEPS, driver_view
+
+        return subject.AddedScores(STEPS, driver_view, MEASURES, COUNTS, (MISS_WEIGHTS,))
+
+    def tables(self) -> subject.AddedTables:
+        from nvcore.subjects.driver.comparison.columns import COLUMNS, ENTRIES
+
+        return subject.AddedTables(COLUMNS, ENTRIES)
+
+    def checks(self) -> subject.AddedChecks:
+        from nvcore.subjects.driver.findings import CAVEATS, audit_detectability
+
+        return subject.AddedChecks((audit_detectability,), caveats=(CAVEATS,))
+
+    def report(self) -> subject.AddedReport:
+        from nvcore.subjects.driver.comparison.gate import RULES
+        from nvcore.subjects.driver.comparison.notes import doubt_of
+        from nvcore.subjects.driver.comparison.report import POINTS, REMARKS, SECTIONS
+
+        return subject.AddedReport(POINTS, SECTIONS, (doubt_of,), (REMARKS,), (RULES,))
+
+    def commands(self) -> Sequence[subject.Command]:
+        from nvcore.subjects.driver.calls.commands import driver
+
+        return (driver,)
+
+    def models(self) -> Sequence[subject.Models]:
+        from nvcore.subjects.driver.evaluation.estimator_report import MODELS
+
+        return (MODELS,)

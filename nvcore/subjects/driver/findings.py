@@ -6,7 +6,6 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.auditing import Checks
 from nvcore.auditing.cases import file_name, place, place_of_frame
 from nvcore.common.findings import Cases, Caveats, Finding, Severity
 from nvcore.common.wording import count_text
@@ -76,7 +75,6 @@ def audit_detectability(dataset: Dataset) -> list[Finding]:
     return findings
 
 
-CHECKS: Final = Checks(inputs=(audit_detectability,))
 CAVEATS: Final = Caveats(
     warned={},
     lesser={

@@ -300,6 +300,3 @@ def _open_when_served(port: int, link: str) -> None:
             webbrowser.open(link)
             return
         time.sleep(0.1)
-
-
-COMMANDS: Final[tuple[Any, ...]] = (ingest, scan, top, open_)

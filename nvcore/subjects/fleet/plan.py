@@ -6,12 +6,14 @@ import ast
 import hashlib
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from functools import cache
 from importlib.metadata import version
 from importlib.util import find_spec
+from inspect import getsource
 from pathlib import Path
+from textwrap import dedent
 from typing import Final
 
 import numpy as np
@@ -26,17 +28,10 @@ from nvcore.subjects.fleet.store import Snapshot
 
 BOXES_A_FRAME: Final = 12
 """Recordings with more boxes a frame than these count as longer."""
-_STARTS: Final = (
-    "nvcore.subjects.fleet.batch",
-    "nvcore.subjects.fleet.store",
-    "nvcore.common.subject",
-)
+_STARTS: Final = ("nvcore.subjects.fleet.batch", "nvcore.subjects.fleet.store")
 """Modules that a batch imports first."""
-_OF_BATCHES: Final = (
-    *("settings", "steps", "view", "miss_weights", "restrict", "measures", "counts", "columns"),
-    *("recording_keys", "system_keys", "session_tables"),
-)
-"""References of subjects (`nvcore.common.subject.Subject`) that a comparison resolves."""
+_OF_BATCHES: Final = ("settings", "session_keys", "scores", "tables")
+"""Methods of subjects (`nvcore.common.subject.Subject`) that a comparison calls."""
 
 
 @cache
@@ -52,15 +47,15 @@ def programs() -> dict[str, str]:
 def modules_of_batches() -> dict[str, ast.Module]:
     """Parse the modules of nvcore that a comparison imports, by name."""
     waiting, trees = [*_STARTS], dict[str, ast.Module]()
-    for package, subject in subjects().values():
-        references = [getattr(subject, kind) for kind in _OF_BATCHES]
-        waiting += [package, *(f"{package}.{of.partition(':')[0]}" for of in references if of)]
+    for subject in subjects():
+        for method in (getattr(subject, name) for name in _OF_BATCHES):
+            waiting += _imported(ast.walk(ast.parse(dedent(getsource(method)))))
     while waiting:
         name = waiting.pop()
         path = None if name in trees else _source_of(name)
         if path is not None:
             trees[name] = ast.parse(path.read_bytes())
-            waiting += [*_imported(trees[name]), *filter(None, [name.rpartition(".")[0]])]
+            waiting += [*_imported(trees[name].body), *filter(None, [name.rpartition(".")[0]])]
     return trees
 
 
@@ -75,9 +70,9 @@ def _source_of(name: str) -> Path | None:
     return Path(spec.origin) if spec is not None and spec.origin else None
 
 
-def _imported(tree: ast.Module) -> Iterator[str]:
-    """List the modules that a module imports when it is loaded, and names that may be modules."""
-    waiting = [*tree.body]
+def _imported(body: Iterable[ast.AST]) -> Iterator[str]:
+    """List the modules that are imported when code runs, and names that may be modules."""
+    waiting = [*body]
     while waiting:
         node = waiting.pop()
         if isinstance(node, ast.With | ast.Try):

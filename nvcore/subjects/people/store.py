@@ -11,7 +11,7 @@ To add a task, derive a store from `StudyStore`, as `nvcore.subjects.ratings.cli
 4. Give ``study_of`` (a row as a study, its JSON decoded), ``begin`` (check the settings, then
    ``_begin``), and a method for each kind of answer that checks it and calls ``keep``.
 5. Return answers as DataFrames: their columns are those of the CSV files.
-6. On the page, derive from `ui.subjects.people.studies.Studies`, and name it in ``STUDIES`` of the
+6. On the page, derive from `ui.subjects.people.studies.Studies`, and return it by `studies` of the
 subject.
 
 The smallest task is in ``tests/people/test_store.py``.

@@ -8,8 +8,9 @@ saliency against the mean rank. `fit`: saliency parameters fitted to the ratings
 clips. `drivers`: losses that drive the ratings, and the alpha that people use.
 """
 
-from typing import Final
-
 from nvcore.common.subject import Subject
 
-SUBJECT: Final = Subject(name="ratings", needs=("alerts",), ui="ui.subjects.ratings")
+
+class Ratings(Subject):
+    name = "ratings"
+    needs = ("alerts",)

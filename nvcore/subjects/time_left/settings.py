@@ -6,19 +6,16 @@ from dataclasses import dataclass
 from typing import Final
 
 from nvcore.common.errors import ParameterError
-from nvcore.settings.stages import MATCH, Stage, setting, share
+from nvcore.settings.stages import MATCH, Stage, SubjectSettings, setting, share
 
 CONTACT: Final = Stage("time to contact", "Time left")
 URGENCY: Final = Stage("urgent encounters", "Time left", (CONTACT,))
 CONFIRMED: Final = Stage("pedestrians confirmed", "Time left", (MATCH,))
 TIME_LEFT: Final = Stage("time left", "Time left", (URGENCY, CONFIRMED), "time left")
 
-RESULTS: Final = (TIME_LEFT,)
-"""Stages whose results are shown."""
-
 
 @dataclass(frozen=True)
-class TimeLeftSettings:
+class TimeLeftSettings(SubjectSettings):
     """Settings in `nvcore.settings.params.Params` that time left depends on."""
 
     speed_kmh: float = setting(

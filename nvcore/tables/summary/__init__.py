@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from nvcore import __version__
-from nvcore.common.subject import contributed
+from nvcore.common.subject import subjects
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.entry import is_met
 from nvcore.comparison.measures.table import MEASURES, hides_rate
@@ -319,7 +319,7 @@ def entries() -> tuple[SummaryEntry, ...]:
 
     Nested keys have dots. Keys of a system are in `SYSTEM_KEYS`.
     """
-    return (*_ENTRIES, *chain(*contributed("entries")))
+    return (*_ENTRIES, *chain(*(subject.tables().entries for subject in subjects())))
 
 
 def summary_keys() -> tuple[Column, ...]:

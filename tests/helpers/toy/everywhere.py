@@ -9,9 +9,15 @@ import json
 import sys
 from pathlib import Path
 
-from nvcore.common import subject as subjects
+import nvcore.subjects as registry
+from toy import Toy
 
-subjects.SUBJECTS = (*subjects.SUBJECTS, "toy")  # the entry; what follows is as ever
+registry.SUBJECTS += (Toy(),)  # the entry; what follows is as ever
+
+from toy.ui import ToyPages  # noqa: E402
+from ui.subjects import registry as of_pages  # noqa: E402
+
+of_pages.SUBJECTS += (ToyPages(),)
 
 import pandas as pd  # noqa: E402
 from inputs import nvcore  # noqa: E402

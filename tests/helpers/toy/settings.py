@@ -2,17 +2,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nvcore.settings.stages import Stage, setting
+from nvcore.settings.stages import Stage, SubjectSettings, setting
 
 LONG = Stage("long encounters", "Toy", result="toy results")
-RESULTS = (LONG,)
 
 
 @dataclass(frozen=True)
-class ToySettings:
+class ToySettings(SubjectSettings):
     toy_frames: int = setting(
         LONG, 5, low=1, high=100, is_whole=True, label="Toy frames", meaning="Long from so many on."
     )
-
-    def check_together(self) -> None:
-        """All values go together."""

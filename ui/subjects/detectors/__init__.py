@@ -4,9 +4,7 @@
 file.
 """
 
-from typing import Final
-
-from ui.subject import Document, Page
+from ui import subject
 
 
 def _lacks() -> str:
@@ -15,5 +13,8 @@ def _lacks() -> str:
     return "" if state.workspace().pictures.sources else "Needs pictures."
 
 
-PAGES: Final = (Page("detectors", "Detectors", "Lab", after="systems", shown=(), lacks=_lacks),)
-DOCUMENTS: Final = (Document("detectors", "Detectors", after="formats"),)
+class DetectorsPages(subject.SubjectPages):
+    pages = (
+        subject.Page("detectors", "Detectors", "Lab", after="systems", shown=(), lacks=_lacks),
+    )
+    documents = (subject.Document("detectors", "Detectors", after="formats"),)

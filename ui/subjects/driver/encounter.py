@@ -1,4 +1,4 @@
-"""Additions of the driver to the Encounters page and to tables: filter, columns, formats."""
+"""Additions of the driver to the Encounters page: a line, a filter, columns."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import streamlit as st
 from nvcore.comparison.compare import Result
 from nvcore.subjects.driver.comparison.encounters import SIGHT_WORDS, describe_sight, driver_sights
 from nvcore.subjects.driver.comparison.steps import driver_in
-from ui.subject import ColumnLook, EncounterFilter
+from ui.subject import EncounterFilter
 from ui.widgets.text import plain
 
 
@@ -44,9 +44,3 @@ FILTER: Final = EncounterFilter(
 )
 COLUMNS: Final = ("driver_sees", "within_sd")
 """Main columns."""
-LOOKS: Final = {
-    "detectability_sd": ColumnLook("SD"),
-    "within_sd": ColumnLook("Open"),
-    "driver_seen_frames": ColumnLook("Frames seen"),
-    "driver_frame": ColumnLook("Driver sees in frame"),
-}

@@ -1,12 +1,20 @@
 """Page Ratings, and its additions to the dashboard."""
 
-from typing import Final
+from __future__ import annotations
+
+from collections.abc import Sequence
 
 from nvcore.settings.stages import SALIENCY
-from ui.subject import Document, Page
+from ui import subject
 
-PAGES: Final = (
-    Page("ratings", "Ratings", "Lab", after="study", shown=(SALIENCY,), is_folded=True),
-)
-DOCUMENTS: Final = (Document("ratings", "Ratings", after="validation"),)
-STUDIES: Final = "sessions:STUDIES"
+
+class RatingsPages(subject.SubjectPages):
+    pages = (
+        subject.Page("ratings", "Ratings", "Lab", after="study", shown=(SALIENCY,), is_folded=True),
+    )
+    documents = (subject.Document("ratings", "Ratings", after="validation"),)
+
+    def studies(self) -> Sequence[subject.AnyStudies]:
+        from ui.subjects.ratings.sessions import SESSIONS
+
+        return (SESSIONS,)

@@ -145,7 +145,6 @@ class RatingSessions(Studies[RatingStudy, RatingStore]):
 
 
 SESSIONS: Final = RatingSessions()
-STUDIES: Final = (SESSIONS,)
 
 
 def choose_part() -> str:

@@ -13,7 +13,7 @@ import streamlit as st
 from nvcore.common.subject import in_place
 from nvcore.pictures import picture_address
 from ui.session import state
-from ui.subject import Document, contributed
+from ui.subject import Document, subject_pages
 from ui.widgets.script import read_script
 
 FOLDER: Final = state.ROOT / "docs"
@@ -31,7 +31,7 @@ _DOCUMENTS: Final[tuple[Document, ...]] = in_place(
         Document("formats", "Formats"),
         Document("python", "Python"),
     ),
-    chain(*contributed("DOCUMENTS")),
+    chain(*(subject.documents for subject in subject_pages())),
 )
 PAGES: Final = {document.key: document.title for document in _DOCUMENTS}
 _HEADING: Final = re.compile(r"(#{1,6}) +(.*)")

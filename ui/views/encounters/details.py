@@ -17,7 +17,7 @@ from nvcore.pictures import jpeg, picture_address
 from nvcore.tables.moments import NEVER, encounter_box, encounter_time
 from ui.session import state, store
 from ui.shell.navigate import open_row
-from ui.subject import contributed
+from ui.subject import subject_pages
 from ui.views.encounters import selection, weightings
 from ui.widgets import drawing
 from ui.widgets.buttons import button
@@ -46,8 +46,8 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
     finder = {Category.X_ONLY: names["x"], Category.Y_ONLY: names["y"]}.get(kind, "")
     text = "Only {finder} detected the {one}." if finder else CATEGORY_TEXT[kind]
     st.markdown(f"{state.say(text, finder=finder)}  \n{_who_missed(result, row, names)}")
-    for draw_head in contributed("ENCOUNTER_HEAD"):
-        draw_head(result, encounter)
+    for subject in subject_pages():
+        subject.encounters().draw_head(result, encounter)
     moments = selection.moments_of(result).iloc[encounter]
     if classes := [
         shown_class(name) for name in str(row["classes"]).split(CLASS_SEPARATOR) if name
@@ -56,8 +56,8 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
         st.caption(f"{docs_link('Classes', 'classes-of-encounters')}: {words}.")
     _draw_picture(result, encounter, row, moments)
     _draw_ways(result, row, moments, names)
-    for draw_text in contributed("ENCOUNTER_TEXT"):
-        draw_text(result, encounter)
+    for subject in subject_pages():
+        subject.encounters().draw_text(result, encounter)
     st.table(_both(row, names))
     text = (
         f"Up to {row['peak_height']:.0f} px tall, k {row['peak_k']:.2f}; position "
@@ -131,8 +131,8 @@ def _draw_ways(
                 width="stretch",
             ):
                 open_row(place)
-        for draw_ways in contributed("ENCOUNTER_WAYS"):
-            draw_ways(result, int(str(row.name)))
+        for subject in subject_pages():
+            subject.encounters().draw_ways(result, int(str(row.name)))
 
 
 def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -> str:

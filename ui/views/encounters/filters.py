@@ -24,7 +24,7 @@ from nvcore.metrics.encounter_classes import shown_class
 from ui.session import state, store
 from ui.session.store import Entry
 from ui.streamlit_inside.types import DeltaGenerator
-from ui.subject import EncounterFilter, contributed
+from ui.subject import EncounterFilter, subject_pages
 from ui.widgets.table_columns import MISS_WORDS, category_words, class_words
 from ui.widgets.text import plain, short_names
 
@@ -32,7 +32,7 @@ CATEGORIES: Final = tuple(kind.value for kind in Category)
 CLASSES: Final = tuple(kind.value for kind in MissClass)
 SEVERITY_STEP_S: Final = 0.05
 OF_SUBJECTS: Final[dict[str, EncounterFilter]] = {
-    known.name: known for known in contributed("ENCOUNTER_FILTER")
+    known.name: known for of in subject_pages() for known in of.encounters().filters
 }
 """Filters that subjects add, by name."""
 LISTS: Final = ("category", "class_x", "class_y", "recording", "class", *OF_SUBJECTS)

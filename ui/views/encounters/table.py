@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import partial
-from itertools import chain
 from typing import Final
 
 import pandas as pd
@@ -11,7 +10,7 @@ import streamlit as st
 
 from nvcore.figures.encounters import position_map
 from ui.session import state, store
-from ui.subject import contributed
+from ui.subject import subject_pages
 from ui.views.encounters import selection
 from ui.views.encounters.order import COLUMNS, SEVERITY, Order
 from ui.widgets.charts import Clicked, draw_chart
@@ -87,7 +86,7 @@ def draw_switch() -> None:
 
 def draw(listed: pd.DataFrame, encounter: int) -> None:
     """Draw the list of encounters, with this encounter's row selected."""
-    added = [name for name in chain(*contributed("ENCOUNTER_COLUMNS")) if name in listed]
+    added = [name for of in subject_pages() for name in of.encounters().columns if name in listed]
     at_category = FIRST_COLUMNS.index("category") + 1  # after the category
     first = [*FIRST_COLUMNS[:at_category], *added, *FIRST_COLUMNS[at_category:]]
     others = [str(name) for name in listed if name not in first]

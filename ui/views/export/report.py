@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cache, partial
-from itertools import chain
 from typing import Final, NamedTuple
 
 import streamlit as st
@@ -22,7 +21,7 @@ from ui.session import state
 from ui.session.opening import names_in_files
 from ui.session.results import input_findings
 from ui.shell.messages import path_remover, shown_root
-from ui.subject import MadeFile, contributed
+from ui.subject import MadeFile, subject_pages
 from ui.views.export.session import (
     inputs_beside,
     portable_session,
@@ -105,7 +104,12 @@ def _report(result: Result, remove_paths: Callable[[object], str]) -> _Report:
     return _Report(
         portable,
         public_findings(input_findings(), remove_paths),
-        dict(chain(*(made(session, portable).items() for made in contributed("MADE_FILES")))),
+        {
+            name: file
+            for subject in subject_pages()
+            for make in subject.made_files()
+            for name, file in make(session, portable).items()
+        },
     )
 
 

@@ -18,7 +18,7 @@ from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.session.results import comparison_key
 from ui.shell import title
 from ui.streamlit_inside.types import DeltaGenerator
-from ui.subject import contributed
+from ui.subject import subject_pages
 from ui.views.timeline import codes, listed, panel
 from ui.widgets import compared_viewer
 from ui.widgets.charts import clicked_chart, kept_figure
@@ -110,7 +110,7 @@ def _draw_lanes(result: Result) -> None:
 def _draw_added(result: Result) -> None:
     """Draw figures over time that subjects add."""
     recording, theme = state.recording(), state.theme()
-    for plot in chain(*contributed("TIMELINE_PLOTS")):
+    for plot in chain(*(subject.timeline_plots for subject in subject_pages())):
         if not plot.applies(result):
             continue
         figure = kept_figure(

@@ -24,7 +24,7 @@ from nvcore.metrics.cost_map import CostMap
 from nvcore.settings.objects import PEDESTRIAN, Objects
 from ui.session import store
 from ui.settings.start import base_path
-from ui.subject import contributed
+from ui.subject import all_sights
 from ui.widgets.drawing import OWN_PICTURES, Look, VisiblePictures, read_look
 from ui.widgets.script import read_script
 from ui.widgets.viewer.packing import (
@@ -223,7 +223,7 @@ def viewer(
 
 def _pack_visible(visible: VisiblePictures) -> dict[str, Any]:
     spans = pack(find_spans(visible.has_picture), "i4")
-    sight = next(iter(contributed("SIGHT")), None)
+    sight = next(iter(all_sights()), None)
     is_simulated = np.zeros(0, bool) if visible.is_simulated is None else visible.is_simulated
     return {
         "area": [float(side) for side in visible.area],

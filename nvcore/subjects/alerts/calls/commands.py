@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import click
 
@@ -84,6 +84,3 @@ def alerts(policy: str | None, out: Path | None, **options: Any) -> None:
     if out is not None:
         write_alerts(out, view)
         say_written(out)
-
-
-COMMANDS: Final = (alerts,)

@@ -119,6 +119,3 @@ def _next_step(out: Path, session_file: Path | None, others: Sequence[str]) -> s
     n_more = len(others) - _SUGGESTED
     more = f" (or any of {n_more} more recordings)" if n_more > 0 else ""
     return f"run it: {program()} {shlex.join([*words, '--out', str(folder)])}{more}"
-
-
-COMMANDS: Final = (train, detect)

@@ -294,5 +294,3 @@ def driver() -> None:
 
 for part in (features, train, evaluate, estimate):
     driver.add_command(part)
-
-COMMANDS: Final = (driver,)

@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from nvcore.settings.stages import MISS_WEIGHTS, PROXIMITY, Stage, setting, share
+from nvcore.settings.stages import MISS_WEIGHTS, PROXIMITY, Stage, SubjectSettings, setting, share
 
 DRIVER: Final = Stage(
     "whom the driver sees", "The driver", (PROXIMITY,), "what the driver sees unaided"
 )
-
-RESULTS: Final = (DRIVER,)
-"""Stages whose results are shown."""
 
 
 def _has_detectability(dataset: Any) -> bool:
@@ -20,7 +17,7 @@ def _has_detectability(dataset: Any) -> bool:
 
 
 @dataclass(frozen=True)
-class DriverSettings:
+class DriverSettings(SubjectSettings):
     """Fields of `nvcore.settings.params.Params` on what the driver sees unaided."""
 
     driver_threshold: float = share(
@@ -46,6 +43,3 @@ class DriverSettings:
         is_advanced=True,
         applies=_has_detectability,
     )
-
-    def check_together(self) -> None:
-        """Accept every combination of values."""

@@ -213,4 +213,3 @@ def _draw_practice(screen: OnScreen, n_practised: int) -> None:
 
 
 TOUCH: Final = TouchStudies()
-STUDIES: Final = (TOUCH,)
