@@ -17,6 +17,7 @@ import pandas as pd
 
 from nvcore.comparison.compare import Result, compare
 from nvcore.comparison.measures.table import inference_of
+from nvcore.evidence.graded import MIN_UNITS, Graded, grade
 from nvcore.evidence.measures import (
     Evidence,
     Judged,
@@ -34,10 +35,11 @@ from nvcore.evidence.operating_points import (
     has_scores,
     moved_of,
     threshold_for,
+    which_moves,
     with_thresholds,
 )
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.units import WHOLE, Units, find_units
+from nvcore.evidence.units import WHOLE, Units, find_units, find_whole
 from nvcore.settings.protocols import PROTOCOLS, Protocol
 
 MOST_ERROR: Final = 0.5
@@ -64,11 +66,14 @@ class Companions:
     strict
         The comparison that the verdict is based on (`equal` if X and Y are at unequal operating
         points), with ``pairing="matched"``.
+    graded
+        Probability that Y misses fewer encounters at equal false alarms, if asked for.
     """
 
     equal: Result | None
     evidence: pd.DataFrame | None
     strict: Result
+    graded: Graded | None = None
 
 
 def find_companions(
@@ -78,6 +83,7 @@ def find_companions(
     *,
     miss_rate: Judged | None = None,
     primary: str | None = None,
+    is_graded: bool = True,
 ) -> Companions:
     """Compute the companions of a comparison, reusing its stages.
 
@@ -89,6 +95,8 @@ def find_companions(
     miss_rate
         ``judge_miss_rate(result, units, protocol)``, if already computed: it does not depend on
         thresholds.
+    is_graded
+        False leaves out `Companions.graded`.
     """
     is_unequal = are_unequal(result)
     has_candidates = bool((evidence["p_corrected"] <= SIGNIFICANT).any())
@@ -99,15 +107,32 @@ def find_companions(
     if result.params.pairing != "matched":
         params = replace(basis.params, pairing="matched")
         strict = compare(result.dataset, params, x=result.x.name, y=result.y.name, previous=basis)
+    graded = grade_at_equal_alarms(result) if is_graded else None
     if equal is None:
-        return Companions(None, None, strict)
+        return Companions(None, None, strict, graded)
     extra = []
     if (evidence["figure"] == MISS_RATE).any():  # asked for
         units = find_units(equal)
         extra = [miss_rate or judge_miss_rate(result, units, protocol, has_interval=False)]
     keys = evidence["figure"].tolist()
     at_equal = judge_equal_alarms(equal, extra, keys=keys, primary=primary, has_intervals=False)
-    return Companions(equal, at_equal, strict)
+    return Companions(equal, at_equal, strict, graded)
+
+
+def grade_at_equal_alarms(result: Result) -> Graded:
+    """Return the probability that Y misses fewer encounters at equal false alarms.
+
+    It is averaged over the ratios of false alarms that are likely in other recordings: the one
+    found, and a standard error of its logarithm less and more.
+    """
+    units = find_whole(result.dataset)
+    if len(units) < MIN_UNITS:
+        return Graded.undefined("units", units)
+    equal = find_equal_alarms(result) if result.as_set is None else result
+    if equal is None:
+        return Graded.undefined("points" if which_moves(result) else "scores", units)
+    ends = ends_of_ratio(equal, units)
+    return grade((equal, *ends), units) if ends else Graded.undefined("alarms", units)
 
 
 def judge_equal_alarms(
@@ -240,23 +265,9 @@ def shifts_at_equal_alarms(equal: Result, units: Units) -> dict[str, np.ndarray]
     -------
     Float64, shape (n_units,), for each measure that is judged by units and changes.
     """
-    alarms = _alarms_apart(equal, units)
-    apart, n_target, error = alarms.apart, alarms.n_target, alarms.error
-    if not n_target or not apart.any():
-        return {}
-    moved = moved_of(equal)
-    other = "y" if moved == "x" else "x"
-    n_fewer = min(max(1, int(n_target * np.exp(-error))), n_target - 1)
-    fewer = {f"threshold_{moved}": threshold_for(equal, moved, n_fewer, "round")}
-    at_equal = {f"threshold_{moved}": equal.system(moved).threshold}
-    if has_scores(equal, other):
-        against = at_equal | {f"threshold_{other}": threshold_for(equal, other, n_fewer, "round")}
-    else:
-        n_more = max(int(np.ceil(n_target * np.exp(error))), n_target + 1)
-        against = {f"threshold_{moved}": threshold_for(equal, moved, n_more, "round")}
-    ends = [with_thresholds(equal, changed) for changed in (fewer, against)]
+    alarms, ends = _alarms_apart(equal, units), ends_of_ratio(equal, units)
     ratios = [np.log((count_alarms(end.x) + 0.5) / (count_alarms(end.y) + 0.5)) for end in ends]
-    if ratios[0] == ratios[1]:
+    if not ends or ratios[0] == ratios[1]:
         return {}
     differences = [
         {
@@ -267,12 +278,39 @@ def shifts_at_equal_alarms(equal: Result, units: Units) -> dict[str, np.ndarray]
         }
         for end in ends
     ]
-    of_units = apart / (alarms.total / 2) * len(units)
+    of_units = alarms.apart / (alarms.total / 2) * len(units)
     slopes = {
         key: (differences[0][key] - differences[1][key]) / (ratios[0] - ratios[1])
         for key in differences[0]
     }
     return {key: slope * of_units for key, slope in slopes.items() if np.isfinite(slope) and slope}
+
+
+def ends_of_ratio(equal: Result, units: Units) -> tuple[Result, ...]:
+    """Return two comparisons: one of the systems has fewer false alarms by a standard error.
+
+    The error is that of the logarithm of their ratio. The first has the moved system with fewer.
+    Empty if it is unknown for lack of false alarms that differ between units.
+    """
+    return equal.keep(f"ends_of_ratio_{units.kind}", lambda: _find_ends(equal, units))
+
+
+def _find_ends(equal: Result, units: Units) -> tuple[Result, ...]:
+    alarms = _alarms_apart(equal, units)
+    n_target, error = alarms.n_target, alarms.error
+    if not n_target or not alarms.apart.any():
+        return ()
+    moved = moved_of(equal)
+    other = "y" if moved == "x" else "x"
+    n_fewer = min(max(1, int(n_target * np.exp(-error))), n_target - 1)
+    fewer = {f"threshold_{moved}": threshold_for(equal, moved, n_fewer, "round")}
+    at_equal = {f"threshold_{moved}": equal.system(moved).threshold}
+    if has_scores(equal, other):
+        against = at_equal | {f"threshold_{other}": threshold_for(equal, other, n_fewer, "round")}
+    else:
+        n_more = max(int(np.ceil(n_target * np.exp(error))), n_target + 1)
+        against = {f"threshold_{moved}": threshold_for(equal, moved, n_more, "round")}
+    return tuple(with_thresholds(equal, changed) for changed in (fewer, against))
 
 
 @dataclass(frozen=True, eq=False)

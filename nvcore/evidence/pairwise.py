@@ -169,7 +169,7 @@ def pairwise_table(
         setting = replace(params, threshold_x=thresholds.get(x), threshold_y=thresholds.get(y))
         previous = compare(dataset, setting, x=x, y=y, previous=previous)
         as_set = _evidence(judged[number], corrected[:, number])
-        companions = find_companions(previous, as_set, primary="")
+        companions = find_companions(previous, as_set, primary="", is_graded=False)
         tried[number] = previous, companions
         if companions.evidence is not None:
             largest[:, number] = np.fmax(largest[:, number], companions.evidence["p"])
@@ -201,7 +201,8 @@ def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
     alarms = values_of("false_alarms_per_frame", result)
     tested = [(of.p, of.note) for of in (by_unit, similarity)]
     if are_unequal(result):
-        at_equal = find_companions(result, _evidence((by_unit, similarity)), primary="").evidence
+        judged = _evidence((by_unit, similarity))
+        at_equal = find_companions(result, judged, primary="", is_graded=False).evidence
         if at_equal is None:
             why = why_not_equal(result)
             tested = [(np.nan, f"{note}; {why}" if note else why) for _, note in tested]

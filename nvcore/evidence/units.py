@@ -116,35 +116,49 @@ class Units:
         )
 
 
+def find_whole(dataset: Dataset) -> Units:
+    """Return recordings as units, however few.
+
+    Recordings that belong together (`nvcore.dataset.copies.units_of`) form one unit.
+    """
+    frames, with_frames = dataset.frame_columns, _by_name(dataset)
+    shared = units_of(dataset)[with_frames]
+    own = np.array([unit or row for unit, row in zip(shared, with_frames, strict=True)], object)
+    number, labels = pd.factorize(own)  # in the order of their first recordings
+    of_recording = np.full(len(dataset.recordings), -1, np.int64)
+    of_recording[with_frames] = number
+    first = np.unique(number, return_index=True)[1]
+    return Units(
+        kind=RECORDINGS if len(labels) == len(with_frames) else UNITS,
+        unit_of_frame=of_recording[frames.recording],
+        recording=with_frames[first].astype(np.int64),
+        n_recordings=len(with_frames),
+        n_independent=len(labels),
+        block_s=np.nan,
+        of_recording=of_recording,
+    )
+
+
+def _by_name(dataset: Dataset) -> np.ndarray:
+    """Return the recordings with frames, sorted by name."""
+    with_frames = np.flatnonzero(np.diff(dataset.frame_columns.first))
+    names = dataset.recordings["name"].to_numpy()[with_frames].astype(str)
+    by_name: np.ndarray = with_frames[np.argsort(names, kind="stable")]
+    return by_name
+
+
 def find_units(result: Result) -> Units:
     """Return recordings if there are at least `MIN_RECORDINGS`, else blocks of time within them.
 
-    Recordings that belong together (`nvcore.dataset.copies.units_of`) form one unit and count once.
     All blocks have about the same number of listed frames: `STRETCH` times the longest length
     (`block_length`) needed for the differences X - Y of similarity, of low frames and of false
     alarms, but at most `MAX_BLOCKS` in all. Every recording has at least one block.
     """
-    frames = result.dataset.frame_columns
+    whole, frames = find_whole(result.dataset), result.dataset.frame_columns
+    if len(whole) >= MIN_RECORDINGS or not len(whole):
+        return whole
     n_of = np.diff(frames.first)
-    with_frames = np.flatnonzero(n_of)
-    names = result.dataset.recordings["name"].to_numpy()[with_frames].astype(str)
-    with_frames = with_frames[np.argsort(names, kind="stable")]
-    shared = units_of(result.dataset)[with_frames]
-    own = np.array([unit or row for unit, row in zip(shared, with_frames, strict=True)], object)
-    number, labels = pd.factorize(own)  # in the order of their first recordings
-    if len(labels) >= MIN_RECORDINGS or not len(with_frames):
-        of_recording = np.full(len(n_of), -1, np.int64)
-        of_recording[with_frames] = number
-        first = np.unique(number, return_index=True)[1]
-        return Units(
-            kind=RECORDINGS if len(labels) == len(with_frames) else UNITS,
-            unit_of_frame=of_recording[frames.recording],
-            recording=with_frames[first].astype(np.int64),
-            n_recordings=len(with_frames),
-            n_independent=len(labels),
-            block_s=np.nan,
-            of_recording=of_recording,
-        )
+    with_frames = _by_name(result.dataset)
     lengths = (STRETCH * block_length(trace, frames.first) for trace in _differences(result))
     length = max(-(-len(frames) // MAX_BLOCKS), *lengths)
     n_blocks, start = np.zeros((2, len(n_of)), np.int64)
@@ -157,7 +171,7 @@ def find_units(result: Result) -> Units:
         unit_of_frame=(start[recording] + place).astype(np.int64),
         recording=np.repeat(with_frames, n_blocks[with_frames]).astype(np.int64),
         n_recordings=len(with_frames),
-        n_independent=len(labels),
+        n_independent=len(whole),
         block_s=result.duration_s / n_blocks.sum(),
         of_recording=np.where(n_blocks > 0, start, -1),
     )

@@ -150,7 +150,7 @@ def verdict(
     If X and Y are set to different operating points, the headline says so, and claims are about
     both at equal false alarms, provided that a threshold gives these. The points tell which system
     detects more encounters, how severe the failures are, which system is better in the other
-    measures, which differences are more than chance, where strict pairing disagrees, and how many
+    measures, which differences are more than chance, how likely each misses fewer encounters, where strict pairing disagrees, and how many
     more recordings it would take. Subjects add points of their own. Systems are called ``X`` and
     ``Y``; the worst failure is named by its recording and track.
 
@@ -205,6 +205,7 @@ def verdict(
             Point("Severity", points.weights(result)),
             Point("Other measures", points.measures(result, evidence)),
             Point("Chance", points.chance(result, decisive, support)),
+            Point("Probability", points.probability(companions)),
             Point(
                 "Strict pairing",
                 () if companions is None else points.strict_pairing(about, companions.strict),

@@ -233,6 +233,20 @@ def chance(result: Result, evidence: pd.DataFrame | None, support: Support) -> t
     return tuple(notes)
 
 
+def probability(companions: Companions | None) -> tuple[Note, ...]:
+    """Return how likely one system misses fewer encounters than the other, or why this is open."""
+    if companions is None or companions.graded is None:
+        return ()
+    graded = companions.graded
+    counts = {"x_misses": graded.x_misses, "y_misses": graded.y_misses}
+    counts |= {"n": graded.n_units, "noun": graded.noun}
+    if graded.reason:
+        return (Note("verdict.ungraded", reason=graded.reason, **counts),)
+    of_y = graded.y_better
+    winner, share = ("y", of_y) if of_y >= HALF else ("x", 1 - of_y)
+    return (Note("verdict.graded", winner=winner, share=round(100 * share), **counts),)
+
+
 def _shown(result: Result, claim: Claim, row: Mapping[Hashable, Any]) -> Note:
     key, low, high = claim.key, row["low"], row["high"]
     interval = None

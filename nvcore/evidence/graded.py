@@ -1,0 +1,135 @@
+"""Graded statement: the probability that a system misses fewer encounters than the other.
+
+In each unit, b encounters are missed by X alone and c by Y alone. Of the b + c, the share that X
+alone misses has the logit d + tau z, with z ~ N(0, 1) for each unit. A priori d ~ N(0, 1.5) and
+tau ~ half-normal(2). The likelihood is raised to the power 1 / 1.5, because people in groups are
+missed together. The statement is P(d > 0): that Y misses fewer in a typical recording.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import scipy
+
+from nvcore.comparison.compare import Result
+from nvcore.dataset.schema import Category
+from nvcore.evidence.units import Units
+
+PRIOR_SD: Final = 1.5
+"""Standard deviation of the difference d, in logits."""
+SPREAD_SD: Final = 2.0
+"""Scale of the half-normal spread tau between units, in logits."""
+POWER: Final = 1 / 1.5
+N_APART: Final = 81
+N_SPREAD: Final = 7
+N_UNIT: Final = 21
+"""Points of the grid over d, tau and z."""
+MIN_UNITS: Final = 2
+
+_APART: Final = np.linspace(-4, 4, N_APART) * PRIOR_SD
+_LOG_PRIOR: Final = -0.5 * (_APART / PRIOR_SD) ** 2
+
+
+def _middles(n: int) -> np.ndarray:
+    """Return the middles of `n` equal parts of 0 to 1."""
+    middles: np.ndarray = (np.arange(n) + 0.5) / n
+    return middles
+
+
+_SPREAD: Final = SPREAD_SD * scipy.special.ndtri(0.5 + 0.5 * _middles(N_SPREAD))
+_UNIT: Final = scipy.special.ndtri(_middles(N_UNIT))
+
+
+@dataclass(frozen=True)
+class Graded:
+    """Probability that Y misses fewer encounters than X in a typical recording.
+
+    Attributes
+    ----------
+    y_better
+        The probability, 0 to 1; NaN if undefined.
+    n_units, noun
+        Number of units, and the noun for one (`nvcore.evidence.units.Units.noun`).
+    x_misses, y_misses
+        Encounters that only X and only Y misses.
+    reason
+        Why it is undefined: fewer than two ``units``, no ``scores``, no ``points`` with equal false
+        alarms, too few false ``alarms``, ``none`` missed by one system alone, or that leaving out
+        ``one`` unit moves it across 50 %. Empty if defined.
+    """
+
+    y_better: float
+    n_units: int
+    noun: str
+    x_misses: int = 0
+    y_misses: int = 0
+    reason: str = ""
+
+    @classmethod
+    def undefined(cls, reason: str, units: Units) -> Graded:
+        """Return a statement without a probability."""
+        return cls(np.nan, len(units), units.noun, reason=reason)
+
+
+def probability(only_x: np.ndarray, only_y: np.ndarray) -> np.ndarray:
+    """Return the probability that Y misses fewer encounters, for all units and without each one.
+
+    Parameters
+    ----------
+    only_x, only_y
+        Number of encounters that only X and only Y misses in each unit; shape (n_units,).
+
+    Returns
+    -------
+    Float64, shape (1 + n_units,).
+    """
+    pairs, unit = np.unique(np.stack([only_x, only_y], axis=1), axis=0, return_inverse=True)
+    logit = _APART[:, None, None] + _SPREAD[:, None] * _UNIT  # (d, tau, z)
+    log_x, log_y = -np.logaddexp(0, -logit), -np.logaddexp(0, logit)
+    of_pair = np.array(
+        [scipy.special.logsumexp(POWER * (n_x * log_x + n_y * log_y), axis=2) for n_x, n_y in pairs]
+    )
+    total = np.tensordot(np.bincount(unit.ravel(), minlength=len(pairs)), of_pair, axes=1)
+    log = total - np.concatenate([np.zeros((1, *total.shape)), of_pair[unit.ravel()]])
+    posterior = np.exp(log + _LOG_PRIOR[:, None] - log.max(axis=(1, 2), keepdims=True))
+    of_apart = posterior.sum(axis=2)
+    middle = N_APART // 2
+    better = of_apart[:, middle + 1 :].sum(axis=1) + 0.5 * of_apart[:, middle]
+    share: np.ndarray = better / of_apart.sum(axis=1)
+    return share
+
+
+def missed_alone(result: Result, units: Units) -> tuple[np.ndarray, np.ndarray]:
+    """Return the number of encounters that only X, and only Y, misses in each unit."""
+    unit = units.of_recording[result.encounters.recording]
+    x_misses, y_misses = (
+        units.total(unit[result.category == category.value])
+        for category in (Category.Y_ONLY, Category.X_ONLY)
+    )
+    return x_misses, y_misses
+
+
+def grade(results: Sequence[Result], units: Units) -> Graded:
+    """Return the statement, averaged over comparisons at several thresholds.
+
+    Parameters
+    ----------
+    results
+        Comparisons of the same systems. The first one's encounters are those that are returned.
+    units
+        `nvcore.evidence.units.find_whole` of these.
+    """
+    counts = [missed_alone(result, units) for result in results]
+    graded = Graded(
+        np.nan, len(units), units.noun, *(int(of.sum()) for of in counts[0]), reason="none"
+    )
+    if not any(of.any() for pair in counts for of in pair):
+        return graded
+    shares = np.mean([probability(*pair) for pair in counts], axis=0)
+    if ((shares > 0.5) != (shares[0] > 0.5)).any():
+        return replace(graded, reason="one")
+    return replace(graded, y_better=float(shares[0]), reason="")
