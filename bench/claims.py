@@ -97,6 +97,8 @@ class Scenario:
         Whether Y has X's detections, cut at its own threshold.
     has_lengths
         Whether recordings differ in length, up to tenfold.
+    has_groups
+        Whether pedestrians walk in groups of one to four, who are found or missed together.
     is_null
         Whether the systems are equally good.
     """
@@ -106,6 +108,7 @@ class Scenario:
     has_scores: bool = True
     is_same: bool = False
     has_lengths: bool = False
+    has_groups: bool = False
     is_null: bool = True
 
 
@@ -209,6 +212,22 @@ SCENARIOS: Final[Mapping[str, Scenario]] = {
     "written apart: thresholds": Scenario(
         "second generator, two thresholds", "thresholds", has_lengths=True
     ),
+    "~groups": Scenario(
+        "the same, unequal lengths, people in groups", varying, has_lengths=True, has_groups=True
+    ),
+    "~groups half": Scenario(
+        "Y misses half as much, unequal lengths, people in groups",
+        fewer_misses(1 / 2),
+        has_lengths=True,
+        has_groups=True,
+        is_null=False,
+    ),
+    "~groups skewed": Scenario(
+        "rare disasters, unequal lengths, people in groups",
+        skewed,
+        has_lengths=True,
+        has_groups=True,
+    ),
 }
 
 
@@ -219,7 +238,12 @@ def draw_dataset(scenario: Scenario, n: int, rng: np.random.Generator) -> Datase
     """
     if isinstance(scenario.draw, str):
         return draw_drives(scenario.draw, n, rng)
-    detectors = scenario.draw(rng, n)
+    return place_systems(scenario, scenario.draw(rng, n), rng)
+
+
+def place_systems(scenario: Scenario, detectors: Systems, rng: np.random.Generator) -> Dataset:
+    """Draw recordings with pedestrians and what these two systems make of them."""
+    n = len(detectors[0].miss)
     lengths = np.full(n, N_FRAMES)
     if scenario.has_lengths:
         lengths = np.round(N_FRAMES * np.geomspace(0.4, 4, n)).astype(int)[rng.permutation(n)]
@@ -230,7 +254,9 @@ def draw_dataset(scenario: Scenario, n: int, rng: np.random.Generator) -> Datase
         np.cumsum(n_tracks) - n_tracks, n_tracks
     )
     latest = lengths[recording_of_track] - TRACK_FRAMES + 1
-    start = first[recording_of_track] + rng.integers(0, latest)
+    begin = rng.integers(0, latest)
+    group = _groups(recording_of_track, rng) if scenario.has_groups else np.arange(len(begin))
+    start = first[recording_of_track] + begin[group]
     frame_index = np.repeat(start, TRACK_FRAMES) + np.tile(np.arange(TRACK_FRAMES), len(start))
     recording = np.repeat(recording_of_track, TRACK_FRAMES)
     centre = np.repeat(rng.uniform(40, WIDTH - 40, len(start)), TRACK_FRAMES)
@@ -241,7 +267,7 @@ def draw_dataset(scenario: Scenario, n: int, rng: np.random.Generator) -> Datase
     tables, shared = [truth], None
     for source, detector in enumerate(detectors, start=1):
         if shared is None or not scenario.is_same:
-            shared = _detections(detector, truth, recording, lengths, rng)
+            shared = _detections(detector, truth, recording, lengths, group, rng)
         passing = shared[shared["score"] >= detector.threshold].assign(source=source)
         tables.append(passing if scenario.has_scores else passing.assign(score=np.nan))
     boxes = pd.concat(tables, ignore_index=True)
@@ -251,6 +277,16 @@ def draw_dataset(scenario: Scenario, n: int, rng: np.random.Generator) -> Datase
     )
     frames = [np.arange(length) for length in lengths]
     return dataset_from_tables(recordings, frames, boxes, ["x", "y"], fingerprint="")
+
+
+def _groups(recording_of_track: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return the first pedestrian of each one's group, of one to four in the same recording."""
+    number = np.arange(len(recording_of_track))
+    begins = rng.random(len(number)) < 0.4
+    begins |= np.diff(recording_of_track, prepend=-1) > 0
+    first = np.maximum.accumulate(np.where(begins, number, 0))
+    of_four: np.ndarray = number - (number - first) % 4
+    return of_four
 
 
 def _boxes(
@@ -265,16 +301,17 @@ def _detections(
     truth: pd.DataFrame,
     recording: np.ndarray,
     lengths: np.ndarray,
+    group: np.ndarray,
     rng: np.random.Generator,
 ) -> pd.DataFrame:
     """Return noisy detections of pedestrians not missed, and false alarms of lower score."""
     n_encounters = len(truth) // TRACK_FRAMES
     miss = detector.miss[recording]
     if detector.clumped:
-        drawn = np.repeat(rng.random(n_encounters), TRACK_FRAMES)
+        drawn = np.repeat(rng.random(n_encounters)[group], TRACK_FRAMES)
     else:  # half of the variation is the pedestrian's, half the frame's
         drawn = rng.random(len(truth))
-        of_track = np.repeat(rng.normal(0, 1, n_encounters), TRACK_FRAMES)
+        of_track = np.repeat(rng.normal(0, 1, n_encounters)[group], TRACK_FRAMES)
         miss = logistic(np.log(miss / (1 - miss)) + of_track)
     hits = truth[drawn >= miss]
     hits = hits.assign(

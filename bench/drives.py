@@ -36,15 +36,21 @@ class Boxes(NamedTuple):
     system: np.ndarray
 
 
-def draw_drives(kind: Kind, n: int, rng: np.random.Generator) -> Dataset:
-    """Draw recordings of 40 to 80 frames with about eight pedestrians each, and X and Y."""
+def draw_drives(kind: Kind, n: int, rng: np.random.Generator, *, effect: float = 0.0) -> Dataset:
+    """Draw recordings of 40 to 80 frames with about eight pedestrians each, and X and Y.
+
+    Parameters
+    ----------
+    effect
+        By how much Y misses less than X, in logits of the miss rate.
+    """
     n_frames = rng.integers(40, 81, n)
     frame = np.arange(n_frames.max())
     n_tracks = np.maximum(rng.poisson(8, n), 1)
     recording = np.repeat(np.arange(n), n_tracks)
     track = np.arange(len(recording)) - np.repeat(np.cumsum(n_tracks) - n_tracks, n_tracks)
     is_there, boxes = _walk(frame, n_frames[recording], recording, n, rng)
-    is_missed, score = _look(boxes[3], recording, n, rng)
+    is_missed, score = _look(boxes[3], recording, n, rng, effect)
     alarms = _alarm(n_frames, rng)
     cut = np.full(2, rng.uniform(0.26, 0.34))
     if kind == "thresholds":
@@ -92,7 +98,7 @@ def _walk(
 
 
 def _look(
-    h: np.ndarray, recording: np.ndarray, n: int, rng: np.random.Generator
+    h: np.ndarray, recording: np.ndarray, n: int, rng: np.random.Generator, effect: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Draw misses of both systems and the logits of their scores, (2, n_tracks, n_frames)."""
     shape = (2, *h.shape)
@@ -100,6 +106,7 @@ def _look(
     shared = rng.normal(0, 0.5, n)[recording] + rng.normal(0, 0.6, len(h))
     own = rng.normal(0, 0.5, (2, n))[:, recording] + rng.normal(0, 0.3, (2, len(h)))
     hard = (shared + own)[:, :, None] + 2.0 * is_hidden
+    hard[1] -= effect
     size = np.log(h / 70)
     miss = 1 / (1 + np.exp(2.2 + 1.4 * size - hard))
     is_missed = _held(rng.random(shape) < miss, rng.random(shape) < 0.3)
