@@ -28,6 +28,8 @@ NO_COMPARISON: Final[Mapping[str, Note]] = {
     "truth-as-system": Note("verdict.truth_as_system"),
 }
 """Headlines for findings that leave no two systems to compare."""
+PROBABILITY: Final = "Probability"
+"""Topic of how likely a system misses fewer encounters."""
 
 
 @dataclass(frozen=True)
@@ -148,11 +150,11 @@ def verdict(
     """Decide which differences between X and Y may be claimed, and describe the measures.
 
     If X and Y are set to different operating points, the headline says so, and claims are about
-    both at equal false alarms, provided that a threshold gives these. The points tell which system
-    detects more encounters, how severe the failures are, which system is better in the other
-    measures, which differences are more than chance, how likely each misses fewer encounters, where strict pairing disagrees, and how many
-    more recordings it would take. Subjects add points of their own. Systems are called ``X`` and
-    ``Y``; the worst failure is named by its recording and track.
+    both at equal false alarms, provided that a threshold gives these. The points tell how likely a
+    system misses fewer encounters, which one detects more, how severe the failures are, which
+    system is better in the other measures, which differences are more than chance, where strict
+    pairing disagrees, and how many more recordings it would take. Subjects add points of their own.
+    Systems are called ``X`` and ``Y``; the worst failure is named by its recording and track.
 
     Parameters
     ----------
@@ -201,11 +203,11 @@ def verdict(
         (
             Point("Operating points", points.operating_points(result, companions)),
             Point("Question", points.question(result, decisive)),
+            Point(PROBABILITY, points.probability(companions)),
             Point("Encounters", points.encounters(result, tested, support)),
             Point("Severity", points.weights(result)),
             Point("Other measures", points.measures(result, evidence)),
             Point("Chance", points.chance(result, decisive, support)),
-            Point("Probability", points.probability(companions)),
             Point(
                 "Strict pairing",
                 () if companions is None else points.strict_pairing(about, companions.strict),

@@ -13,7 +13,7 @@ from nvcore.comparison.compare import Result
 from nvcore.evidence.companions import Companions
 from nvcore.notes import Note
 from nvcore.report.tiles import tiles
-from nvcore.report.verdict import verdict
+from nvcore.report.verdict import PROBABILITY, verdict
 from nvcore.report.words import sampling_note
 from nvcore.tables.influence import leads
 from ui.session import state, store
@@ -74,6 +74,10 @@ class VerdictBox:
             tiles_html(four, self._result.objects, short_names(self._result))
         )
         with self._basis.container():
+            for point in conclusion.points:
+                if point.topic == PROBABILITY:
+                    means = conclusion.say(Note("verdict.graded_means"))
+                    st.markdown(plain(conclusion.say(*point.notes)), help=means)
             st.caption(_short_extent(result))
             for point in conclusion.points:
                 if point.is_warning:
