@@ -28,7 +28,7 @@ NO_COMPARISON: Final[Mapping[str, Note]] = {
     "truth-as-system": Note("verdict.truth_as_system"),
 }
 """Headlines for findings that leave no two systems to compare."""
-PROBABILITY: Final = "Probability"
+HOW_SURE: Final = "How sure"
 """Topic of how likely a system misses fewer encounters."""
 
 
@@ -203,7 +203,7 @@ def verdict(
         (
             Point("Operating points", points.operating_points(result, companions)),
             Point("Question", points.question(result, decisive)),
-            Point(PROBABILITY, points.probability(companions)),
+            Point(HOW_SURE, points.probability(companions)),
             Point("Encounters", points.encounters(result, tested, support)),
             Point("Severity", points.weights(result)),
             Point("Other measures", points.measures(result, evidence)),

@@ -28,6 +28,7 @@ from nvcore.evidence.claims import (
     winner_of,
 )
 from nvcore.evidence.companions import Companions, is_unsure
+from nvcore.evidence.graded import Graded
 from nvcore.evidence.measures import primary_of
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.operating_points import (
@@ -238,13 +239,17 @@ def probability(companions: Companions | None) -> tuple[Note, ...]:
     if companions is None or companions.graded is None:
         return ()
     graded = companions.graded
-    counts = {"x_misses": graded.x_misses, "y_misses": graded.y_misses}
-    counts |= {"n": graded.n_units, "noun": graded.noun}
     if graded.reason:
-        return (Note("verdict.ungraded", reason=graded.reason, **counts),)
+        return (Note("verdict.ungraded", reason=graded.reason, **counts_of(graded)),)
     of_y = graded.y_better
     winner, share = ("y", of_y) if of_y >= HALF else ("x", 1 - of_y)
-    return (Note("verdict.graded", winner=winner, share=round(100 * share), **counts),)
+    return (Note("verdict.graded", winner=winner, share=round(100 * share), noun=graded.noun),)
+
+
+def counts_of(graded: Graded) -> dict[str, Any]:
+    """Return the numbers behind the probability, as values of notes."""
+    counts = {"x_misses": graded.x_misses, "y_misses": graded.y_misses}
+    return counts | {"n": graded.n_units, "noun": graded.noun}
 
 
 def _shown(result: Result, claim: Claim, row: Mapping[Hashable, Any]) -> Note:

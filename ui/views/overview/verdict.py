@@ -13,7 +13,8 @@ from nvcore.comparison.compare import Result
 from nvcore.evidence.companions import Companions
 from nvcore.notes import Note
 from nvcore.report.tiles import tiles
-from nvcore.report.verdict import PROBABILITY, verdict
+from nvcore.report.verdict import HOW_SURE, verdict
+from nvcore.report.verdict.points import counts_of
 from nvcore.report.words import sampling_note
 from nvcore.tables.influence import leads
 from ui.session import state, store
@@ -75,9 +76,8 @@ class VerdictBox:
         )
         with self._basis.container():
             for point in conclusion.points:
-                if point.topic == PROBABILITY:
-                    means = conclusion.say(Note("verdict.graded_means"))
-                    st.markdown(plain(conclusion.say(*point.notes)), help=means)
+                if point.topic == HOW_SURE:
+                    st.markdown(plain(conclusion.say(*point.notes)), help=_meaning(companions))
             st.caption(_short_extent(result))
             for point in conclusion.points:
                 if point.is_warning:
@@ -94,6 +94,14 @@ class VerdictBox:
             st.caption(_extent(result))
             if note := sampling_note(result.dataset.frame_columns):
                 st.caption(note)
+
+
+def _meaning(companions: Companions | None) -> str | None:
+    """Return what the probability is of, None if there is none."""
+    graded = None if companions is None else companions.graded
+    if graded is None or graded.reason:
+        return None
+    return state.say(Note("verdict.graded_means", **counts_of(graded)))
 
 
 def _draw_doubt(doubt: str) -> None:
