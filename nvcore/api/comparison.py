@@ -23,6 +23,7 @@ from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.entry import MeasureTable
 from nvcore.evidence.claims import Claim
 from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.graded import Graded
 from nvcore.evidence.measures import Judged
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.operating_points import at_operating_point
@@ -146,6 +147,13 @@ class Comparison:
     def claims(self) -> tuple[Claim, ...]:
         """Differences that the verdict finds significant, each with measure, winner and p-value."""
         return self._verdict.claims
+
+    @property
+    def how_sure(self) -> Graded:
+        """Probability that Y misses fewer encounters in a typical recording, and its numbers."""
+        graded = self._companions.graded
+        assert graded is not None
+        return graded
 
     @method_with(PlanArguments)
     def plan(self, asked: PlanArguments) -> Plan:

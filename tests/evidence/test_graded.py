@@ -10,6 +10,7 @@ import pytest
 from builders import NAN, Place, at, make_dataset, result_of
 from places import ROOT
 
+import nvcore as nv
 from bench.graded import BEGIN, END, GENERATORS, SIZES, make_rows, table_text
 from nvcore.comparison.compare import Result
 from nvcore.evidence.companions import find_companions, grade_at_equal_alarms
@@ -71,6 +72,12 @@ def scene(missed: list[tuple[int, int]], *, scores: bool = True) -> Result:
         x, y = ([box._replace(score=NAN) for box in boxes] for boxes in (x, y))
     places = [Place(range(80))] * len(missed)
     return result_of(make_dataset(truth, x, y, places=places))
+
+
+def test_python_has_its_numbers():
+    graded = nv.compare(scene([(3, 0), (2, 1), (1, 0)]).dataset).how_sure
+    assert (graded.x_misses, graded.y_misses, graded.noun) == (6, 1, "recording")
+    assert 0.5 < graded.y_better < 1
 
 
 def said(result: Result) -> str:
