@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 from nvcore.common.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.common.wording import count_text, listed, percent
 from nvcore.dataset import Dataset
-from nvcore.dataset.copies import open_copies
+from nvcore.dataset.copies import Copy, open_copies
 
 MOST_NAMED: Final = 3
 """Most pairs or recordings that a message lists."""
@@ -21,32 +21,50 @@ LEAST_PIECES: Final = 2
 
 
 def audit_copies(dataset: Dataset) -> Iterator[Finding]:
-    """Report recordings with the same truth."""
+    """Report recordings with the same truth, and with nearly the same."""
     copies = open_copies(dataset)
-    if not copies:
-        return
+    for severity, code, message, advice, found in (
+        (
+            Severity.ERROR,
+            "copied-recording",
+            "Recordings hold the same boxes of the truth",
+            "One drive counted twice is no evidence of two: leave one out. If both are meant, say",
+            [copy for copy in copies if not copy.relation],
+        ),
+        (
+            Severity.WARNING,
+            "nearly-copied-recording",
+            "Recordings hold nearly the same boxes of the truth",
+            "They look like one drive, exported or annotated twice: leave one out. If not, say",
+            [copy for copy in copies if copy.relation],
+        ),
+    ):
+        if found:
+            yield Finding(
+                severity,
+                code,
+                TRUTH_NAME,
+                len(found),
+                f"{message}: {listed(_described(dataset, found))}.",
+                f"{advice} by their unit what each is part of: the same for two cameras of one "
+                "drive. Until then they are one in every test.",
+                example=f"recording {dataset.recordings['name'].iloc[found[0].second]}",
+                steps=(Step(Remedy.ACCEPT, code, TRUTH_NAME),),
+            )
+
+
+def _described(dataset: Dataset, copies: Sequence[Copy]) -> list[str]:
+    """Name the first few pairs of recordings and their relation, and count the others."""
     names = dataset.recordings["name"].to_numpy()
     pairs = []
     for copy in copies[:MOST_NAMED]:
         shift = f", {copy.shift_frames:+,} frames apart" if copy.shift_frames else ""
+        relation = f", {copy.relation}" if copy.relation else ""
         n_shared = count_text(copy.n_shared, "box", "boxes")
         extent = f"{n_shared}, {percent(copy.share)} of the smaller"
-        pairs.append(f"{names[copy.first]} and {names[copy.second]} ({extent}{shift})")
+        pairs.append(f"{names[copy.first]} and {names[copy.second]} ({extent}{relation}{shift})")
     more = len(copies) - len(pairs)
-    if more:
-        pairs.append(count_text(more, "other pair"))
-    yield Finding(
-        Severity.ERROR,
-        "copied-recording",
-        TRUTH_NAME,
-        len(copies),
-        f"Recordings hold the same boxes of the truth: {listed(pairs)}.",
-        "One drive counted twice is no evidence of two: leave one out. If both are meant, say by "
-        "their unit what each is part of: the same for two cameras of one drive. Until then they "
-        "are one in every test.",
-        example=f"recording {names[copies[0].second]}",
-        steps=(Step(Remedy.ACCEPT, "copied-recording", TRUTH_NAME),),
-    )
+    return [*pairs, count_text(more, "other pair")] if more else pairs
 
 
 def audit_pieces(dataset: Dataset) -> Iterator[Finding]:

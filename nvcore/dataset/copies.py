@@ -1,4 +1,4 @@
-"""Detection of recordings with the same truth: copied, cut or shifted."""
+"""Detection of recordings with the same truth: copied, cut, shifted, or nearly the same."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+
+from nvcore.dataset.near_copies import find_near_copies
 
 if TYPE_CHECKING:
     from nvcore.dataset import Dataset
@@ -20,18 +22,21 @@ GRAIN_PX: Final = 0.01
 
 @dataclass(frozen=True)
 class Copy:
-    """Two recordings with the same boxes of the truth.
+    """Two recordings with the same boxes of the truth, or nearly the same.
 
     Attributes
     ----------
     first, second
         Rows of the recordings table, ``first < second``.
     n_shared
-        Number of boxes with the same place and size in frames that are `shift_frames` apart.
+        Number of boxes with the same place and size in frames that are `shift_frames` apart. Of
+        near copies, after a transform, and with small errors.
     share
         Shared boxes as a share of those of the recording with fewer boxes.
     shift_frames
         Frame number in the second recording minus that in the first.
+    relation
+        What makes the second one differ, such as ``mirrored``; empty if the boxes are the same.
     """
 
     first: int
@@ -39,24 +44,37 @@ class Copy:
     n_shared: int
     share: float
     shift_frames: int
+    relation: str = ""
 
 
 def find_copies(dataset: Dataset) -> tuple[Copy, ...]:
-    """Find recordings whose truth is that of another one, or a part of it.
+    """Find recordings whose truth is that of another one, or a part of it, or nearly so.
 
     Each is paired with one that has the same boxes, so that all copies of one recording are linked.
-    Boxes are compared by place and size, to `GRAIN_PX`, and by frame number, up to a shift.
+    Boxes are compared by place and size, to `GRAIN_PX`, and by frame number, up to a shift. Near
+    copies (`nvcore.dataset.near_copies`) are looked for among recordings that this does not link.
     """
-    truth, frames = dataset.truth, dataset.frames
-    if len(dataset.recordings) < 2 or len(truth) < LEAST_BOXES:
+    n_all = len(dataset.recordings)
+    if n_all < 2 or len(dataset.truth) < LEAST_BOXES:
         return ()
+    recording = dataset.frame_columns.recording[dataset.truth.frame_index].astype(np.int64)
+    n_boxes = np.bincount(recording, minlength=n_all)
+    copies = [*_same_boxes(dataset, recording, n_boxes)]
+    linked = [(copy.first, copy.second) for copy in copies]
+    for first, second, share, shift, relation in find_near_copies(dataset, n_boxes, linked):
+        n_shared = round(share * int(min(n_boxes[first], n_boxes[second])))
+        copies.append(Copy(first, second, n_shared, share, shift, relation))
+    return tuple(copies)
+
+
+def _same_boxes(dataset: Dataset, recording: np.ndarray, n_boxes: np.ndarray) -> tuple[Copy, ...]:
+    """Find recordings with boxes that are equal to `GRAIN_PX`."""
+    truth, frames = dataset.truth, dataset.frames
     key = _hashed(truth.xywh)
     ordered = np.sort(key)
     repeated = ordered[1:][ordered[1:] == ordered[:-1]]
     if len(repeated) < LEAST_BOXES:
         return ()
-    recording = frames["recording"].to_numpy()[truth.frame_index].astype(np.int64)
-    n_boxes = np.bincount(recording, minlength=len(dataset.recordings))
     # most boxes have no equal, so almost none of them needs sorting
     begins_repeated = np.zeros(1 << 20, dtype=bool)
     begins_repeated[repeated >> np.uint64(44)] = True
@@ -104,7 +122,8 @@ def units_of(dataset: Dataset) -> np.ndarray:
     """Return the name of each recording's unit, object, shape (n_recordings,).
 
     Empty means that the recording is a unit of its own. Recordings of one unit are not independent:
-    they are stated to belong to one unit, or have the same truth without both having a stated unit.
+    they are stated to belong to one unit, or have the same truth (or nearly) without both having a
+    stated unit.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
