@@ -37,7 +37,7 @@ from bench.drives import draw_drives
 from nvcore.comparison.compare import compare
 from nvcore.dataset import Dataset
 from nvcore.evidence.claims import values_of
-from nvcore.evidence.companions import grade_at_equal_alarms
+from nvcore.evidence.companions import grade_systems
 from nvcore.metrics.shares import share_of
 
 BEGIN: Final = "<!-- graded: written by `python -m bench.graded --write` -->"
@@ -94,7 +94,7 @@ def make_rows(task: tuple[str, str, int, int, int]) -> list[dict[str, Any]]:
         else:
             dataset = draw_dataset(SCENARIOS[name], n, rng)
         result = compare(dataset)
-        graded = grade_at_equal_alarms(result)
+        graded = grade_systems(result)
         severity_x, severity_y = values_of("severity_s_per_encounter", result)
         rows.append(
             {

@@ -103,7 +103,7 @@ def load(
     operating_point
         Handling of unequal false alarms of X and Y: numbers at the thresholds ``"as-set"``, or
         with one threshold moved to ``"equal-alarms"``. None: the session's, or as set. Claims
-        always refer to equal false alarms.
+        refer to equal false alarms, unless the thresholds are those of products, ``"delivered"``.
     params
         Settings by name, such as ``alpha=0.8`` or ``threshold_x=0.5`` (see `nvcore.Params`). A
         threshold of None counts every detection.

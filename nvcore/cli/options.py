@@ -303,7 +303,9 @@ verdict_options = (
         type=click.Choice(POINTS),
         help="Where X and Y are set to unequally many false alarms: their numbers as set, or "
         "with one threshold moved, so that both have equally many. Claims are about these "
-        "either way. Default: the session's, or as-set (of a report: equal-alarms).",
+        "either way. delivered: the thresholds are those of products; numbers and claims are as "
+        "set, and the better system may not have clearly more false alarms. Default: the "
+        "session's, or as-set (of a report: equal-alarms).",
     ),
     grouped_option(
         OUTPUT,

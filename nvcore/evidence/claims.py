@@ -15,14 +15,21 @@ from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import EVIDENCE_KEYS, inference_of, measure_of
 from nvcore.evidence.bootstrap import CONFIDENCE
 from nvcore.evidence.companions import Companions
-from nvcore.evidence.operating_points import are_unequal, count_alarms, has_scores
+from nvcore.evidence.operating_points import (
+    are_delivered,
+    are_unequal,
+    count_alarms,
+    has_scores,
+)
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.units import WHOLE
+from nvcore.evidence.units import WHOLE, Units, find_units
 from nvcore.notes import Note
 
 CLAIMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
 """Keys of the measures whose differences the verdict may claim."""
 FALSE_ALERTS: Final = "false_alert_episodes_per_hour"
+ALARM_MARGIN: Final = 1.25
+"""Delivered systems: most false alarms of the better one, as a multiple of the other's."""
 
 
 class Basis(StrEnum):
@@ -82,7 +89,9 @@ def find_claims(
     A claim needs a small `p_corrected` (p itself for the primary measure) over at least six
     recordings or units. It must not depend on the operating points: if X and Y have unequal false
     alarms, the claim is about the comparison at equal false alarms. Otherwise it must hold there,
-    too. Strict pairing must not reverse it. Nothing is claimed until the companions are known.
+    too. Strict pairing must not reverse it. If the thresholds are delivered ones,
+    it is about these, and the better system must not have clearly more false alarms. Nothing is
+    claimed until the companions are known.
 
     Parameters
     ----------
@@ -205,6 +214,8 @@ def _not_confirmed(
     result: Result, candidates: Mapping[str, Claim], companions: Companions
 ) -> dict[str, Note]:
     """Return why candidate claims fail at equal false alarms, by measure key."""
+    if are_delivered(result):
+        return _worse_alarms(result, candidates)
     if companions.evidence is None:
         return _not_dominant(result, candidates)
     confirmed = _candidates(result, _significant_rows(companions.evidence))
@@ -213,6 +224,36 @@ def _not_confirmed(
         for key, claim in candidates.items()
         if key not in confirmed or confirmed[key].winner != claim.winner
     }
+
+
+def _worse_alarms(result: Result, candidates: Mapping[str, Claim]) -> dict[str, Note]:
+    """Return why claims fail for delivered thresholds: the better system may alarm more."""
+    note, units = Note("verdict.worse_alarms", margin=ALARM_MARGIN), find_units(result)
+    alerts = {key: claim for key, claim in candidates.items() if key == FALSE_ALERTS}
+    return _not_dominant(result, alerts) | {
+        key: note
+        for key, claim in candidates.items()
+        if alarm_ratio_limit(result, units, claim.winner) > ALARM_MARGIN
+    }
+
+
+def alarm_ratio_limit(result: Result, units: Units, of: str) -> float:
+    """Return the upper end of the 95 % interval of a system's false alarms over the other's.
+
+    The interval is that of the logarithm of the ratio, by its linear part (delta method), with
+    Student's t. Infinite if the other system has none; 0 if neither has any.
+    """
+    own, other = (
+        np.bincount(units.unit_of_frame, result.system(letter).false_alarms, len(units))
+        for letter in (of, "y" if of == "x" else "x")
+    )
+    n, n_own, n_other = len(units), float(own.sum()), float(other.sum())
+    if not n_own or not n_other:
+        return np.inf if n_own else 0.0
+    parts = own / n_own - other / n_other
+    error = np.sqrt(n / (n - 1) * (parts**2).sum())
+    quantile = scipy.special.stdtrit(n - 1, (1 + CONFIDENCE) / 2)
+    return float(n_own / n_other * np.exp(quantile * error))
 
 
 def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, Note]:

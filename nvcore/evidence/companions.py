@@ -29,6 +29,7 @@ from nvcore.evidence.measures import (
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.operating_points import (
+    are_delivered,
     are_unequal,
     count_alarms,
     find_equal_alarms,
@@ -100,14 +101,15 @@ def find_companions(
     """
     is_unequal = are_unequal(result)
     has_candidates = bool((evidence["p_corrected"] <= SIGNIFICANT).any())
-    is_needed = result.as_set is None and (is_unequal or has_candidates)
+    is_free = result.as_set is None and not are_delivered(result)
+    is_needed = is_free and (is_unequal or has_candidates)
     equal = find_equal_alarms(result) if is_needed else None
     basis = equal if equal is not None and is_unequal else result
     strict = basis
     if result.params.pairing != "matched":
         params = replace(basis.params, pairing="matched")
         strict = compare(result.dataset, params, x=result.x.name, y=result.y.name, previous=basis)
-    graded = grade_at_equal_alarms(result) if is_graded else None
+    graded = grade_systems(result) if is_graded else None
     if equal is None:
         return Companions(None, None, strict, graded)
     extra = []
@@ -119,15 +121,17 @@ def find_companions(
     return Companions(equal, at_equal, strict, graded)
 
 
-def grade_at_equal_alarms(result: Result) -> Graded:
+def grade_systems(result: Result) -> Graded:
     """Return the probability that Y misses fewer encounters at equal false alarms.
 
     It is averaged over the ratios of false alarms that are likely in other recordings: the one
-    found, and a standard error of its logarithm less and more.
+    found, and a standard error of its logarithm less and more. Delivered thresholds stay.
     """
     units = find_whole(result.dataset)
     if len(units) < MIN_UNITS:
         return Graded.undefined("units", units)
+    if are_delivered(result):
+        return grade((result,), units)
     equal = find_equal_alarms(result) if result.as_set is None else result
     if equal is None:
         return Graded.undefined("points" if which_moves(result) else "scores", units)

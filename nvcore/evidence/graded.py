@@ -124,9 +124,8 @@ def grade(results: Sequence[Result], units: Units) -> Graded:
         `nvcore.evidence.units.find_whole` of these.
     """
     counts = [missed_alone(result, units) for result in results]
-    graded = Graded(
-        np.nan, len(units), units.noun, *(int(of.sum()) for of in counts[0]), reason="none"
-    )
+    n_x, n_y = (int(of.sum()) for of in counts[0])
+    graded = Graded(np.nan, len(units), units.noun, n_x, n_y, "none")
     if not any(of.any() for pair in counts for of in pair):
         return graded
     shares = np.mean([probability(*pair) for pair in counts], axis=0)

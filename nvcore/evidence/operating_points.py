@@ -21,7 +21,7 @@ from nvcore.metrics.detection.operating_point import (
     threshold_with_alarms,
 )
 from nvcore.notes import Note
-from nvcore.settings.defaults import OperatingPoint
+from nvcore.settings.defaults import DELIVERED, OperatingPoint
 
 AS_SET: Final = "as set: at unequal operating points"
 """Label of numbers of X and Y from which nothing is claimed."""
@@ -34,8 +34,18 @@ def count_alarms(system: SystemResult) -> int:
     return int(system.false_alarms.sum())
 
 
+def are_delivered(result: Result) -> bool:
+    """Return whether the thresholds are fixed, and claims are about these."""
+    return result.dataset.settings.operating_point == DELIVERED
+
+
 def are_unequal(result: Result) -> bool:
-    """Return whether X and Y have different operating points, judged by their false alarms."""
+    """Return whether X and Y have different operating points, judged by their false alarms.
+
+    Delivered thresholds are compared as they are.
+    """
+    if are_delivered(result):
+        return False
     n_x, n_y = (count_alarms(system) for _, system in result.sides)
     return are_unequal_alarms(n_x, n_y)
 
@@ -134,7 +144,7 @@ def at_operating_point(
     previous
         See `find_equal_alarms`.
     """
-    if point == "as-set" or not are_unequal(result):
+    if point != "equal-alarms" or not are_unequal(result):
         return result
     return find_equal_alarms(result, previous) or result
 

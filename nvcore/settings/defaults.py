@@ -14,8 +14,11 @@ from nvcore.settings.primary import Primary
 from nvcore.settings.protocols import PROTOCOLS, Protocol
 from nvcore.settings.published import PublishedPoint
 
-OperatingPoint = Literal["as-set", "equal-alarms"]
+OperatingPoint = Literal["as-set", "equal-alarms", "delivered"]
 POINTS: Final[tuple[OperatingPoint, ...]] = get_args(OperatingPoint)
+DELIVERED: Final = "delivered"
+"""The thresholds are those of delivered products. Claims are about them, as long as the better
+system has not clearly more false alarms."""
 
 
 def operating_point(name: str | None) -> OperatingPoint | None:

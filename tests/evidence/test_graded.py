@@ -13,7 +13,7 @@ from places import ROOT
 import nvcore as nv
 from bench.graded import BEGIN, END, GENERATORS, SIZES, make_rows, table_text
 from nvcore.comparison.compare import Result
-from nvcore.evidence.companions import find_companions, grade_at_equal_alarms
+from nvcore.evidence.companions import find_companions, grade_systems
 from nvcore.evidence.graded import probability
 from nvcore.evidence.table import evidence_table
 from nvcore.report.verdict import HOW_SURE, verdict
@@ -88,7 +88,7 @@ def said(result: Result) -> str:
 
 def test_the_verdict_says_it_at_equal_false_alarms():
     missed = [(3, 0), (2, 1), (1, 0), (3, 1), (2, 0)]
-    graded = grade_at_equal_alarms(scene(missed))
+    graded = grade_systems(scene(missed))
     assert (graded.x_misses, graded.y_misses, graded.n_units) == (11, 2, 5)
     assert graded.y_better == pytest.approx(reading(missed), abs=0.01)
     share = round(100 * graded.y_better)

@@ -12,6 +12,7 @@ from nvcore.comparison.compare import Result
 from nvcore.dataset import Dataset
 from nvcore.evidence.measures import Evidence, Judged
 from nvcore.evidence.miss_rate import judge_miss_rate
+from nvcore.evidence.operating_points import are_delivered
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import Units, find_units
 from nvcore.settings.params import Params
@@ -26,7 +27,8 @@ def comparison_key(result: Result, protocol: Protocol | None = None) -> tuple[ob
     names = result.names
     is_as_set = result.as_set is None
     protocol = protocol or state.protocol()
-    return (result.params, is_as_set, *names, protocol, result.dataset.primary)
+    question = result.dataset.primary, are_delivered(result)
+    return (result.params, is_as_set, *names, protocol, *question)
 
 
 def measure_evidence(result: Result) -> pd.DataFrame:

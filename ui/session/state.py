@@ -21,7 +21,7 @@ from nvcore.inputs.session import Session
 from nvcore.inputs.session.changes import live_session as with_live
 from nvcore.metrics.detection.operating_point import span_of_scores
 from nvcore.notes import Note
-from nvcore.settings.defaults import OperatingPoint
+from nvcore.settings.defaults import DELIVERED, OperatingPoint
 from nvcore.settings.params import SETTINGS, Params
 from nvcore.settings.protocols import Protocol
 from nvcore.settings.stages import SALIENT, THRESHOLD
@@ -275,13 +275,16 @@ def kept_result(
 
 
 def operating_point() -> OperatingPoint:
-    """Return whether unequal thresholds are compared as set or at equal false alarms."""
+    """Return how unequal thresholds are compared: as set, at equal false alarms, or delivered."""
     return opened().session.operating_point or "equal-alarms"
 
 
 def set_operating_point(point: OperatingPoint) -> None:
-    """Set whether unequal thresholds are compared as set or at equal false alarms."""
-    if point != operating_point():
+    """Set how unequal thresholds are compared."""
+    before = operating_point()
+    if DELIVERED in (point, before) and point != before:
+        compare_as(replace(opened().session, operating_point=point))
+    elif point != before:
         _change_session(operating_point=point)
 
 

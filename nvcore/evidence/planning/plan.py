@@ -20,7 +20,7 @@ from nvcore.comparison.measures.entry import Better
 from nvcore.comparison.measures.table import inference_of
 from nvcore.evidence.bootstrap import MIN_UNITS
 from nvcore.evidence.measures import Evidence, primary_of
-from nvcore.evidence.operating_points import is_undecided
+from nvcore.evidence.operating_points import are_delivered, is_undecided
 from nvcore.evidence.paired_tests import MIN_SWAPPED, SIGNIFICANT
 from nvcore.evidence.planning.notes import notes_of_plan
 from nvcore.evidence.planning.pilot import Pilot, judge_key, make_pilot, plan_key
@@ -204,7 +204,8 @@ def plan_recordings(
         Selection of the pedestrians that count in the log-average miss rate.
     units, evidence, thresholds
         ``find_units(result)``, ``judge_key(result, key)`` and ``vary_thresholds(result, units)`` if
-        already computed. A difference has to be shown at equal false alarms, too.
+        already computed. A difference has to be shown at equal false alarms, too, unless the
+        thresholds are delivered ones; the plan then leaves out their false alarms.
 
     Raises
     ------
@@ -225,7 +226,8 @@ def plan_recordings(
         evidence = judge_key(result, key, protocol=protocol, units=units)
     assert evidence.figure == key
     pilot, why_not = make_pilot(result, key, protocol=protocol, units=units)
-    if pilot is not None and (margin is None or result.as_set is not None):
+    is_tested_alike = result.as_set is not None or (margin is None and not are_delivered(result))
+    if pilot is not None and is_tested_alike:
         thresholds = vary_thresholds(result, units) if thresholds is None else thresholds
         pilot = replace(pilot, thresholds=thresholds.get(key))
     assumed: list[tuple[Assumption, float]] = [("as found", evidence.difference)]

@@ -203,7 +203,7 @@ def verdict(
         (
             Point("Operating points", points.operating_points(result, companions)),
             Point("Question", points.question(result, decisive)),
-            Point(HOW_SURE, points.probability(companions)),
+            Point(HOW_SURE, points.probability(result, companions)),
             Point("Encounters", points.encounters(result, tested, support)),
             Point("Severity", points.weights(result)),
             Point("Other measures", points.measures(result, evidence)),

@@ -14,7 +14,7 @@ from nvcore.comparison.measures.table import evidence_form, measure_of, shown_as
 from nvcore.evidence.claims import Claim, Support, find_within, has_primary
 from nvcore.evidence.companions import Companions, is_unsure
 from nvcore.evidence.measures import primary_of
-from nvcore.evidence.operating_points import are_unequal, has_scores
+from nvcore.evidence.operating_points import are_delivered, are_unequal, has_scores
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
 from nvcore.notes import Note
 from nvcore.report.remarks import all_remarks
@@ -34,6 +34,8 @@ def headline(
         Table of evidence of the comparison that claims are about; None if it supports no claim.
     """
     conclusion = _conclusion(result, evidence, companions, support)
+    if are_delivered(result):
+        return Note("verdict.as_delivered", conclusion=conclusion)
     is_unequal = result.as_set is None and are_unequal(result)
     if result.as_set is None and not is_unequal:
         return Note("verdict.as_set", conclusion=conclusion)

@@ -19,9 +19,11 @@ from nvcore.comparison.measures.table import (
 from nvcore.comparison.measures.values import relevant_share
 from nvcore.dataset.schema import Category
 from nvcore.evidence.claims import (
+    ALARM_MARGIN,
     CLAIMED,
     Claim,
     Support,
+    alarm_ratio_limit,
     has_primary,
     is_turned_strictly,
     values_of,
@@ -33,11 +35,12 @@ from nvcore.evidence.measures import primary_of
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.operating_points import (
     alarms_as_set,
+    are_delivered,
     are_unequal,
     equal_setting,
     has_scores,
 )
-from nvcore.evidence.units import WHOLE
+from nvcore.evidence.units import WHOLE, find_units
 from nvcore.notes import Note
 from nvcore.report.words import every_nth
 from nvcore.settings.primary import DEFAULT
@@ -77,6 +80,8 @@ QUALITIES: Final = (
 
 def operating_points(result: Result, companions: Companions | None) -> tuple[Note, ...]:
     """Describe the operating points of X and Y, or return nothing if they were always equal."""
+    if are_delivered(result):
+        return (Note("verdict.delivered", margin=ALARM_MARGIN, alarms=alarms_as_set(result)),)
     if result.as_set is not None:
         return (Note("verdict.equal_numbers", setting=equal_setting(result)),)
     if not are_unequal(result):
@@ -234,7 +239,7 @@ def chance(result: Result, evidence: pd.DataFrame | None, support: Support) -> t
     return tuple(notes)
 
 
-def probability(companions: Companions | None) -> tuple[Note, ...]:
+def probability(result: Result, companions: Companions | None) -> tuple[Note, ...]:
     """Return how likely one system misses fewer encounters than the other, or why this is open."""
     if companions is None or companions.graded is None:
         return ()
@@ -243,7 +248,11 @@ def probability(companions: Companions | None) -> tuple[Note, ...]:
         return (Note("verdict.ungraded", reason=graded.reason, **counts_of(graded)),)
     of_y = graded.y_better
     winner, share = ("y", of_y) if of_y >= HALF else ("x", 1 - of_y)
-    return (Note("verdict.graded", winner=winner, share=round(100 * share), noun=graded.noun),)
+    said = {"winner": winner, "share": round(100 * share), "noun": graded.noun}
+    if not are_delivered(result):
+        return (Note("verdict.graded", **said),)
+    is_worse = alarm_ratio_limit(result, find_units(result), winner) > ALARM_MARGIN
+    return (Note("verdict.graded_delivered", margin=ALARM_MARGIN if is_worse else 0, **said),)
 
 
 def counts_of(graded: Graded) -> dict[str, Any]:

@@ -196,3 +196,15 @@ def test_the_primary_measure_is_chosen_before_the_verdict_or_said_to_be_changed(
     checked(page.selectbox(key="choice_primary").set_value("saliency").run())
     assert "Changed on 20" in texts(page)
     assert " was made the primary measure on 20" in texts(to_page(page, "overview"))
+
+
+def test_delivered_products_are_compared_as_they_are_set():
+    page = opened_app("data", threshold_x="0.3", threshold_y="0.6")
+    checked(page.checkbox(key="choice_delivered").check().run())
+    overview = to_page(page, "overview")
+    assert "With the delivered thresholds" in texts(overview)
+    assert "At equal false alarms" not in texts(overview)
+    page = to_page(overview, "data")
+    assert page.checkbox(key="choice_delivered").value
+    checked(page.checkbox(key="choice_delivered").uncheck().run())
+    assert "Changed on 20" in texts(page)  # after a verdict was shown

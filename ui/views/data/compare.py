@@ -13,6 +13,7 @@ import streamlit as st
 from nvcore.common.wording import capitalised
 from nvcore.comparison.measures.table import CLAIMABLE, choose_primary, inference_of
 from nvcore.dataset import Dataset
+from nvcore.evidence.claims import ALARM_MARGIN
 from nvcore.evidence.measures import primary_of
 from nvcore.figures.inputs import false_alarm_plot, score_plot
 from nvcore.metrics.detection.operating_point import (
@@ -23,7 +24,9 @@ from nvcore.metrics.detection.operating_point import (
 )
 from nvcore.metrics.detection.operating_point import operating_point as operating_point_of
 from nvcore.report.words import at_best, sampling_note
+from nvcore.settings.defaults import DELIVERED
 from nvcore.settings.params import Params
+from nvcore.settings.primary import Primary, now_text
 from nvcore.settings.stages import MATCH
 from ui.session import state, store
 from ui.shell import operating_point, systems
@@ -98,6 +101,15 @@ def _draw_choice(x: str, y: str) -> None:
         "only if it shows one. Choose it before you look at the verdict; if it is changed "
         "afterwards, the verdict says so and corrects all measures for one another.",
     )
+    store.set_widgets(choice_delivered=state.operating_point() == DELIVERED)
+    st.checkbox(
+        "Delivered products: the thresholds stay",
+        key="choice_delivered",
+        on_change=_choose_delivered,
+        help="The verdict is about the systems as they are set. It claims that one is better only "
+        f"if that one has at most {ALARM_MARGIN:g} times the other's false alarms, beyond chance. "
+        "Otherwise X and Y are compared at equal false alarms.",
+    )
     for fact in at_best(state.opened().dataset):
         st.caption(state.say(fact))
     if primary.is_changed:
@@ -107,14 +119,32 @@ def _draw_choice(x: str, y: str) -> None:
         )
 
 
+def _primary_so_far() -> Primary:
+    """Return the primary measure, which a verdict on the data has fixed if it was shown."""
+    fingerprint = state.opened().dataset.fingerprint
+    primary = state.opened().session.primary.of_data(fingerprint)
+    is_shown = store.SHOWN_VERDICT.get() == fingerprint
+    return replace(primary, fingerprint=fingerprint) if is_shown else primary
+
+
 def _choose_primary() -> None:
     """Use another primary measure, and note whether a verdict on the data was shown."""
-    session, fingerprint = state.opened().session, state.opened().dataset.fingerprint
-    primary = session.primary.of_data(fingerprint)
-    if store.SHOWN_VERDICT.get() == fingerprint:
-        primary = replace(primary, fingerprint=fingerprint)
-    chosen = choose_primary(primary, store.CHOICE.of("primary").get())
-    state.compare_as(replace(session, primary=chosen))
+    chosen = choose_primary(_primary_so_far(), store.CHOICE.of("primary").get())
+    state.compare_as(replace(state.opened().session, primary=chosen))
+
+
+def _choose_delivered() -> None:
+    """Ask about delivered products or equal false alarms. After a verdict, this is a change."""
+    primary = _primary_so_far()
+    if primary.fingerprint:
+        primary = replace(primary, is_changed=True, fixed_at=now_text())
+    is_delivered = store.widget("choice_delivered").get()
+    session = replace(
+        state.opened().session,
+        primary=primary,
+        operating_point=DELIVERED if is_delivered else "equal-alarms",
+    )
+    state.compare_as(session)
 
 
 def _choose(letter: str) -> None:
