@@ -53,46 +53,37 @@ OFF = 0.1
 SECTION = """\
 ## Time to contact: box heights and metres
 
-KITTI tracking 0013, 0015 and 0016: its truth has the distance of each pedestrian. *Ratio*: [time to
-contact](metrics.md#time-to-contact) from the heights of the boxes over that from the distances, of
-boxes for which both are known and finite; the median, and the range of the middle 80 %. Twice: from
-the truth's own boxes, and from those that a detector (RRC, all scores) drew where it matches. *Not
-closing*: boxes of people who by the metres come nearer, of whom the heights say that they do not.
+KITTI tracking 0013, 0015 and 0016, whose truth has distances. *Ratio*: [time to
+contact](metrics.md#time-to-contact) from box heights over that from distances, where both are known
+and finite: median, and range of the middle 80 %. Once from the truth's boxes, once from those that
+a detector (RRC, all scores) drew where it matches. *Not closing*: boxes of people who come nearer
+by the metres, but not by the heights.
 
 ![Ratio over time to contact, from the truth's boxes and from drawn ones]({picture})
 
 {ratios}
 
-**The truth's boxes are no test of drawn ones.** Top and bottom of KITTI's boxes are those of a box
-in space, of one height throughout a track, as it projects into the picture: with KITTI's
-calibration they agree with it to a quarter of a pixel (median of each recording, 0.4 at most). So
-the columns of the truth check the formula, and nobody bends in them. That the ratio is below 1 at
-short distances is the person's depth: the height is that of the near side, the distance goes to the
-middle. The drawn boxes show what boxes from pictures give.
+**The truth's boxes only check the formula.** They are projections of a box in space, of one height
+throughout a track. Below 1 at short distances: the height is that of the person's near side, the
+distance goes to the middle. The drawn boxes show where it fails:
 
-Where it fails:
+- *Far from contact*: with 1 to 4 s left the median is right, and most are within a quarter. From
+  8 s on the growth of a box over 1 s is lost in how it is drawn: people are called not closing, or
+  nearer than they are. Small boxes (below 50 px) are mostly far away.
+- *Boxes cut by the picture's edge* do not count; the time left would come out too long, the
+  dangerous side. A detector's box that ends a few pixels before the edge does count: hence the
+  ratio in the last second.
+- *Who bends or is covered* (drawn lower than 0.9 of the person): half are not closing.
 
-- *Far from contact*: with 1 to 4 s left, about which time left is, the drawn boxes are right in the
-  median, and most within a quarter; from 8 s on the growth of a box over 1 s is lost in how it is
-  drawn. People are then called not closing, or nearer than they are.
-- *Small boxes*: below 50 px as above, since small ones are mostly far away.
-- *Boxes cut by the picture's edge*: they do not count, and the line goes on from whole ones. If
-  they counted, the time left would come out too long, which is the dangerous side. A detector's box
-  that ends a few pixels before the edge is cut, too, and does count: hence the ratio in the last
-  second.
-- *Who bends or is covered* (drawn boxes lower than 0.9 of the person's height in the picture): the
-  range is wide there, and half of them are not closing.
-
-The [urgency](metrics.md#the-last-chance) of the encounters at 50 km/h, by the distances (rows) and
-by heights. By the metres the people come nearer at {speeds} (median):
-50 km/h is an assumption, as in all data without the car's speed.
+The [urgency](metrics.md#the-last-chance) of the encounters, by distances (rows) and heights,
+assumes 50 km/h. By the metres the people come nearer at {speeds} (median).
 
 {urgency}
 
-A drawn box that jitters makes somebody urgent where nobody is: one frame below the time needed is
-enough. Truth from a detector's boxes is no truth for time left.
+One frame below the time needed is enough, so a drawn box that jitters makes somebody urgent where
+nobody is. Truth from a detector's boxes is no truth for time left.
 
-Of the boxes that count, which share do two detectors miss (all scores, IoU 0.5)?
+Share of the boxes that count that detectors miss (all scores, IoU 0.5):
 
 {misses}
 
