@@ -64,8 +64,8 @@ by the metres, but not by the heights.
 {ratios}
 
 **The truth's boxes only check the formula.** They are projections of a box in space, of one height
-throughout a track. Below 1 at short distances: the height is that of the person's near side, the
-distance goes to the middle. The drawn boxes show where it fails:
+throughout a track. The ratio is below 1 at short distances because the height is that of the
+person's near side, while the distance goes to the middle. The drawn boxes show where it fails:
 
 - *Far from contact*: with 1 to 4 s left the median is right, and most are within a quarter. From
   8 s on the growth of a box over 1 s is lost in how it is drawn: people are called not closing, or
