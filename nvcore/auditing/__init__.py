@@ -17,6 +17,7 @@ from nvcore.auditing.agreement import (
     find_ignored,
     find_loose,
     find_repeated,
+    find_unlisted,
 )
 from nvcore.auditing.boxes import audit_doubles, audit_geometry, audit_tracks
 from nvcore.auditing.cases import BoxSource, system_source, truth_source
@@ -213,6 +214,7 @@ def audit_pair(
         for system, matched in zip((system_x, system_y), matches, strict=True):
             findings += find_loose(system, matched, params)
         findings += [] if is_blind else find_disagreement(dataset, system_x, system_y, matches)
+        findings += [] if is_blind else find_unlisted(system_x, system_y, matches)
         findings += audit_operating_points(system_x, system_y, matches, params)
     return tuple(findings)
 

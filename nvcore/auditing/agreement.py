@@ -1,11 +1,12 @@
-"""Findings on systems that agree with each other but not with the ground truth."""
+"""Findings on systems that agree with each other, or seem right, but not with the truth."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
+import scipy
 
 from nvcore.auditing.boxes import repeated_rows
 from nvcore.auditing.cases import BoxSource, place_of_frame, truth_source
@@ -16,6 +17,7 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.columns import BoxColumns
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.pairs import pair_frames
+from nvcore.metrics.linking import link_boxes
 from nvcore.metrics.matching import Matches, iou_of_pairs
 from nvcore.settings.params import Params
 
@@ -212,6 +214,121 @@ def find_loose(source: BoxSource, matches: Matches, params: Params) -> list[Find
             "judges {what} a system detects."
         ),
     )
+
+
+LIKE_MATCHED: Final = 0.25
+"""Share of a system's matched runs that are shorter, lower or less sure than an unmatched run that
+looks like them. A lower share lets in passing false alarms of systems whose matches are often
+interrupted."""
+LEAST_MORE: Final = 5
+"""Least number of such runs that one system has more ..."""
+LEAST_SHARE: Final = 0.01
+"""... and their least share of its matched runs: fewer hardly move a verdict."""
+LEVEL: Final = 0.05
+"""Largest p that is beyond chance."""
+
+
+class _Lookalikes(NamedTuple):
+    """Unmatched runs of a system that look like its matched ones.
+
+    `rows`: largest box of each, largest first. `by_recording`: their number, shape
+    (n_recordings,). `n_others`: number of its other unmatched runs. `n_matched`: of its matched
+    ones. `least`: frames, height (px) and score from which a run looks like them.
+    """
+
+    rows: np.ndarray
+    by_recording: np.ndarray
+    n_others: int
+    n_matched: int
+    least: np.ndarray
+
+
+def find_unlisted(x: BoxSource, y: BoxSource, matches: tuple[Matches, Matches]) -> list[Finding]:
+    """Report a system whose false alarms look like pedestrians missing from the ground truth.
+
+    If the ground truth was drawn by looking at what X shows, it lacks people whom only Y detects.
+    Y's right detections then count as false alarms. This compares the systems' `_lookalikes`: if
+    both have as many, the truth is merely incomplete. Since more false alarms include more of them,
+    the other's number is first raised by the ratio of their other unmatched runs. The rest is
+    tested over recordings (two-sided sign test with mid-p, Lancaster 1961, which needs five that
+    differ). Their share of unmatched runs has to be larger than the other's, too (binomial mid-p):
+    where that has hardly any false alarms, few of them being alike says nothing.
+    """
+    found = [_lookalikes(system, matched) for system, matched in zip((x, y), matches, strict=True)]
+    say = x.dataset.objects.say
+    if min(runs.n_matched for runs in found) < MIN_BOXES:
+        return []
+    for system, other, many, few in ((x, y, found[0], found[1]), (y, x, found[1], found[0])):
+        ratio = max(1.0, many.n_others / max(few.n_others, 1))
+        more = many.by_recording - ratio * few.by_recording
+        if more.sum() < max(LEAST_MORE, LEAST_SHARE * many.n_matched):
+            continue
+        n_fewer, n_apart = int(np.count_nonzero(more < 0)), int(np.count_nonzero(more))
+        n_many, n_few = len(many.rows), len(few.rows)
+        share = (n_many + n_few) / (n_many + many.n_others + n_few + few.n_others)
+        p = 2 * _mid_p(n_fewer, n_apart, 0.5), _mid_p(n_few, n_few + few.n_others, share)
+        if max(p) > LEVEL:
+            continue
+        frames, height, score = many.least
+        sure = f" and sure (score {score:.3g})" if np.isfinite(score) else ""
+        return system.findings(
+            Severity.WARNING,
+            "false-alarms-like-matches",
+            many.rows,
+            f"{system.name} has {count_text(n_many, 'run')} of false alarms as long "
+            f"({count_text(int(np.ceil(frames)), 'frame')}), large ({height:.0f} px){sure} as most "
+            f"of its matches, {other.name} has {n_few:,}: more than chance.",
+            say(
+                "Look at them. Where they show {people}, the ground truth lacks {people} {whom} "
+                "{other} does not detect, and {name}'s right detections count as false alarms: add "
+                "{them}. Where they show {nobody}, there is nothing to do.",
+                other=other.name,
+                name=system.name,
+            ),
+        )
+    return []
+
+
+def _mid_p(k: int, n: int, share: float) -> float:
+    """Return the probability of less than k of n, and half of that of k of n."""
+    p: float = scipy.special.bdtr(k, n, share)
+    return (p + scipy.special.bdtr(k - 1, n, share)) / 2 if k else p / 2
+
+
+def _lookalikes(source: BoxSource, matches: Matches) -> _Lookalikes:
+    """Return runs of false alarms, linked over frames, that look like the system's matched runs.
+
+    A run looks like them if it has as many boxes as the shortest quarter, is as high and has as
+    high a mean score, all at once, and none of its boxes overlaps the truth or its ignore regions.
+    """
+    boxes, truth = source.boxes, source.dataset.truth
+    n_recordings = len(source.dataset.recordings)
+    rows = np.flatnonzero(matches.is_false_alarm)
+    run, unmatched = _runs(source, rows)
+    _, matched = _runs(source, np.flatnonzero(matches.det_truth >= 0))
+    if not len(rows) or not matched.size:
+        nothing = np.zeros(n_recordings, np.int64), unmatched.shape[1], matched.shape[1]
+        return _Lookalikes(rows[:0], *nothing, np.full(3, np.nan))
+    least = np.quantile(matched, LIKE_MATCHED, axis=1)
+    is_alike = np.all((unmatched >= least[:, None]) | np.isnan(least)[:, None], axis=0)
+    rows, run = rows[is_alike[run]], run[is_alike[run]]
+    is_near = _overlapped(truth, np.ones(len(truth), bool), boxes, rows) >= 0
+    is_alike[run[is_near]] = False
+    rows, run = rows[is_alike[run]], run[is_alike[run]]
+    largest_first = np.argsort(-boxes.h[rows], kind="stable")
+    rows = rows[largest_first][np.sort(np.unique(run[largest_first], return_index=True)[1])]
+    recording = source.dataset.frame_columns.recording[boxes.frame_index[rows]]
+    by_recording = np.bincount(recording, minlength=n_recordings)
+    n_others = unmatched.shape[1] - len(rows)
+    return _Lookalikes(rows, by_recording, n_others, matched.shape[1], least)
+
+
+def _runs(source: BoxSource, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Link boxes into runs: run of each box, and number of boxes, mean height and score of runs."""
+    run = link_boxes(source.boxes, source.dataset.frame_columns, rows)
+    n = np.bincount(run)
+    sums = [np.bincount(run, values[rows]) for values in (source.boxes.h, source.boxes.score)]
+    return run, np.stack([n, *(total / n for total in sums)])
 
 
 def _paired(

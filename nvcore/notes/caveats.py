@@ -24,6 +24,8 @@ CAVEATS: Final = Caveats(
         "several-boxes": "a system has several boxes on most {many} whom it matches",
         "ignored-boxes-detected": "a system detects more of what the ground truth ignores than "
         "{many} who count",
+        "false-alarms-like-matches": "a system has many false alarms that look like {people} "
+        "missing from the ground truth, as if that were drawn by what the other system shows",
         "size-too-large": "the image size seems wrong",
         "implausible-fps": "the frame rate seems wrong",
         "box-layout": "boxes seem to be written in another way than they were read",

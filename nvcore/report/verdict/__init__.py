@@ -204,7 +204,13 @@ def verdict(
             Point("Operating points", points.operating_points(result, companions)),
             Point("Question", points.question(result, decisive)),
             Point(HOW_SURE, points.probability(result, companions)),
-            Point("Encounters", points.encounters(result, tested, support)),
+            Point(
+                "Encounters",
+                (
+                    *points.encounters(result, tested, support),
+                    *points.unlisted(result, findings),
+                ),
+            ),
             Point("Severity", points.weights(result)),
             Point("Other measures", points.measures(result, evidence)),
             Point("Chance", points.chance(result, decisive, support)),

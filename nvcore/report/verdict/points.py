@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from nvcore.common.findings import Finding
 from nvcore.common.wording import duration_text, interval_text, number, one_line, shortened
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import (
@@ -51,6 +52,8 @@ HALF: Final = 0.5
 NAME_WIDTH: Final = 40
 """Longest name of a recording."""
 EPISODES: Final = "false_alert_episodes"
+UNLISTED: Final = "false-alarms-like-matches"
+"""Code of the finding on false alarms that may be people missing from the truth."""
 
 
 class QualityMeasure(NamedTuple):
@@ -127,6 +130,24 @@ def encounters(result: Result, evidence: pd.DataFrame | None, support: Support) 
             test = Note("verdict.too_few_differ", noun=noun)
     counts = {"n": venn.n_near, "both": venn.both, "x_only": venn.x_only, "y_only": venn.y_only}
     return (Note("verdict.detected", **counts, test=test or ""),)
+
+
+def unlisted(result: Result, findings: Sequence[Finding]) -> tuple[Note, ...]:
+    """Return how many false alarms would have to be real to turn the lead in encounters.
+
+    Each that is real is one encounter more that only the trailing system detects, at most: it may
+    be distant, or detected by both. Only for false alarms of that system that the audit found to
+    look like its matches.
+    """
+    lead = result.venn.x_only - result.venn.y_only
+    leader, trailing = ("x", "y") if lead > 0 else ("y", "x")
+    name = result.names["xy".index(trailing)]
+    counts = [of.count for of in findings if (of.code, of.subject) == (UNLISTED, name)]
+    if not lead or not counts:
+        return ()
+    needed = abs(lead) + 1
+    sides = {"leader": leader, "trailing": trailing}
+    return (Note("verdict.unlisted", n=counts[0], n_needed=needed, **sides),)
 
 
 def weights(result: Result) -> tuple[Note, ...]:
