@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from itertools import chain
 
@@ -157,11 +156,13 @@ def test_the_doubt_of_drivers_and_of_recordings_is_kept_apart_and_joined(judged:
         apart = [row[f"{of}_high"] - row[f"{of}_low"] for of in ("draws", "units")]
         # a recording that is drawn twice brings its driver twice
         assert max(apart) < row["high"] - row["low"] < 1.05 * sum(apart)
-        text = say(doubt_of_kind(judged, kind), PEDESTRIAN)
-        assert re.search(
-            r"points? \(95 % interval .*\): ±\d+ from differences between drivers and ±\d+ from",
-            text,
+        mean, study = (
+            f"{100 * row[low]:+.0f} to {100 * row[high]:+.0f}"
+            for low, high in (("units_low", "units_high"), ("low", "high"))
         )
+        text = say(doubt_of_kind(judged, kind), PEDESTRIAN)
+        assert f"(95 % interval of the mean over drivers and recordings: {mean})" in text
+        assert text.endswith(f"would find {study}.")
 
 
 def test_a_share_is_the_same_number_in_the_sentence_and_in_the_table_of_a_hundred() -> None:

@@ -80,7 +80,7 @@ def alerts_over_time(result: Result, recording: int, theme: Theme) -> go.Figure:
 def alerts_in_time(result: Result, *, theme: Theme) -> go.Figure:
     """Draw the share of urgent encounters in which the driver reacts in time, by kind of alert.
 
-    Thick: the interval of the draws (other drivers, these recordings); thin: of both.
+    Thick: outcomes with other drivers on these recordings; thin: those of another study as large.
     """
     look, judged = LOOK[theme], alerts_in(result).in_time_for_drivers
     n = len(judged.chances)
@@ -88,7 +88,7 @@ def alerts_in_time(result: Result, *, theme: Theme) -> go.Figure:
         return look.empty("Nobody is urgent here.")
     shares = judged.table[judged.table["measure"] == "share"]
     kinds = shares["kind"].unique().tolist()
-    traces, others = [], f"<br>other {judged.what_varies}, too: "
+    traces, others = [], "<br>another study as large: "
     for (letter, system), shift in zip(result.sides, (-APART, APART), strict=True):
         rows = shares[shares["side"] == letter].set_index("kind").loc[kinds]
         place, colour = np.arange(len(kinds)) + shift, look.of(letter)
@@ -96,7 +96,7 @@ def alerts_in_time(result: Result, *, theme: Theme) -> go.Figure:
             low, high = 100 * rows[[f"{draws}low", f"{draws}high"]].to_numpy(dtype=float).T
             traces.append(joined(low, high, place, "", width=width, color=faded(colour, opacity)))
         texts = [
-            f"{kind}, {letter.upper()}: in time in {row['mean']:.0%}<br>other drivers: "
+            f"{kind}, {letter.upper()}: in time in {row['mean']:.0%}<br>other drivers here: "
             f"{row['draws_low']:.0%} to {row['draws_high']:.0%}"
             + ("" if np.isnan(row["low"]) else f"{others}{row['low']:.0%} to {row['high']:.0%}")
             for kind, row in rows.iterrows()
@@ -106,8 +106,8 @@ def alerts_in_time(result: Result, *, theme: Theme) -> go.Figure:
     return look.draw(
         traces,
         title="Brakes in time, by kind of alert",
-        subtitle=f"of {count_text(n, 'urgent encounter')}; thick: other drivers, thin: other "
-        f"drivers and {judged.what_varies} (95 %)",
+        subtitle=f"of {count_text(n, 'urgent encounter')}; thick: other drivers, thin: another "
+        f"study with other drivers and {judged.what_varies} (95 %)",
         height=150 + KIND_PX * len(kinds),
         hoverdistance=-1,
         xaxis=look.axis("in time (%)", range=[-2, 102]),

@@ -196,9 +196,10 @@ def intervals(sums: np.ndarray, n: np.ndarray) -> dict[str, float]:
 
     Returns
     -------
-    mean; draws_low, draws_high (these units, other drivers); units_low, units_high (other units,
-    the drivers' mean); low, high (both vary). The level is 95 %. All are NaN without encounters;
-    with fewer than `MIN_UNITS` units, only the intervals of the draws are defined.
+    mean; draws_low, draws_high (outcome with other drivers on these units); units_low, units_high
+    (the mean over drivers and units); low, high (outcome of another study as large, with other
+    drivers and units). The level is 95 %. All are NaN without encounters; with fewer than
+    `MIN_UNITS` units, only the intervals of the draws are defined.
     """
     ends = ("draws_low", "draws_high", "units_low", "units_high", "low", "high")
     if not len(n):

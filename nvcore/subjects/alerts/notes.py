@@ -68,20 +68,20 @@ def in_time_by_kind(result: Result) -> tuple[Note, ...]:
 
 
 def doubt_of_kind(judged: InTime, name: str) -> Note:
-    """Return how uncertain X - Y is for a kind of alert, due to drivers and due to units."""
+    """Return the intervals of X - Y for a kind of alert: of the mean, and of another study."""
     table = judged.table[judged.table["measure"] == "share"]
     row = (table["kind"] == name) & (table["side"] == "difference")
     of = 100 * table[row].set_index(["kind", "measure", "side"]).iloc[0]
-    drivers, units = ((of[f"{by}_high"] - of[f"{by}_low"]) / 2 for by in ("draws", "units"))
-    low, high = ("draws_low", "draws_high") if np.isnan(units) else ("low", "high")
+    is_of_mean = not np.isnan(of["units_low"])
+    by = "units" if is_of_mean else "draws"
     return Note(
         "alerts.doubt_of_kind",
         name=name,
         difference=of["mean"],
-        low=of[low],
-        high=of[high],
-        drivers=drivers,
-        of_units=None if np.isnan(units) else units,
+        low=of[f"{by}_low"],
+        high=of[f"{by}_high"],
+        study_low=of["low"] if is_of_mean else None,
+        study_high=of["high"] if is_of_mean else None,
         units=judged.what_varies,
     )
 

@@ -43,7 +43,8 @@ def draw(result: Result) -> None:
         "alerts_in_time",
         help="Reaction times are drawn from a lognormal distribution with mean and SD of the "
         "source's eleven persons. All kinds are judged on the same urgent encounters. Thick: other "
-        f"drivers on these recordings; thin: other recordings as well ({link}).",
+        "drivers on these recordings; thin: another study as large, with other drivers and "
+        f"recordings ({link}).",
     )
     st.subheader("Of 100 urgent encounters")
     kinds = [*dict.fromkeys(judged.table["kind"])]
