@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
+from numpy.typing import ArrayLike
 from scipy import stats
 
 from nvcore.subjects.ratings import drivers as module
@@ -22,13 +23,13 @@ def study(ranks: np.ndarray, **columns: np.ndarray) -> tuple[pd.DataFrame, pd.Da
 
 
 def rated(
-    rng: np.random.Generator, losses: np.ndarray, alpha: float, *, effect: float = 1.5
+    rng: np.random.Generator, losses: np.ndarray, alpha: ArrayLike, *, effect: float = 1.5
 ) -> np.ndarray:
-    """Ranks by twelve people who weigh the losses (n, 2) by alpha; clips annoy otherwise, too."""
-    annoyance = losses @ [alpha, 1 - alpha]
-    n = len(losses)
-    felt = effect * annoyance / annoyance.std() + rng.normal(0, 0.3, n)
-    ranks: np.ndarray = stats.rankdata(felt + rng.gumbel(size=(12, n)), axis=1)
+    """Ranks by people (twelve with one alpha) who weigh the losses; clips annoy otherwise, too."""
+    alphas = np.full(12, alpha) if np.ndim(alpha) == 0 else np.asarray(alpha)
+    annoyance = np.column_stack([alphas, 1 - alphas]) @ losses.T
+    felt = effect * annoyance / annoyance.std() + rng.normal(0, 0.3, len(losses))
+    ranks: np.ndarray = stats.rankdata(felt + rng.gumbel(size=felt.shape), axis=1)
     return ranks
 
 
@@ -36,19 +37,40 @@ def skewed(rng: np.random.Generator, n: int = 40) -> np.ndarray:
     return 0.02 * rng.lognormal(0, 1, (n, 2))
 
 
-@pytest.mark.parametrize("alpha", [0.5, 0.8])
-def test_intervals_hold_a_known_alpha_in_95_percent_of_studies(alpha, monkeypatch):
+@pytest.mark.parametrize(("alpha", "spread"), [(0.8, 0.0), (0.6, 0.15), (0.5, 0.25)])
+def test_intervals_hold_the_mean_alpha_of_people_in_95_percent_of_studies(
+    alpha: float, spread: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(module, "N_RESAMPLES", 500)
     rng = np.random.default_rng(31)
     recording, found = np.repeat(np.arange(20), 2), []
     for _ in range(300):  # the heart of `find_drivers`, without tables
         losses = skewed(rng)
-        found.append(module._alpha(losses, *module._pairs_of(rated(rng, losses, alpha)), recording))
+        both = alpha * (1 - alpha) / spread**2 - 1 if spread else 0.0
+        alphas = rng.beta(both * alpha, both * (1 - alpha), 12) if spread else alpha
+        found.append(module._alpha(losses, module._Study(rated(rng, losses, alphas), recording)))
     known, low, high, reasons = zip(*found, strict=True)
     is_held = (np.array(low) <= alpha) & (alpha <= np.array(high))
     assert 0.925 <= is_held.mean() <= 0.975  # 0.95 within two standard errors
-    assert np.count_nonzero(reasons) < 20
+    assert np.count_nonzero(reasons) < 50
     assert np.nanmedian(known) == pytest.approx(alpha, abs=0.02)
+
+
+def test_people_who_rank_alike_leave_the_interval_as_it_is_and_others_widen_it() -> None:
+    rng = np.random.default_rng(12)
+    losses = skewed(rng)
+    columns = {"loss_miss": losses[:, 0], "loss_false": losses[:, 1]}
+
+    def width(ranks: np.ndarray) -> float:
+        found = find_drivers(*study(ranks, **columns))
+        assert found.is_of_people == (len(ranks) >= 8)
+        return found.high - found.low
+
+    one, other = (rated(rng, losses, np.full(1, alpha)) for alpha in (0.95, 0.05))
+    alike, of_two = np.repeat(one, 8, axis=0), np.concatenate([one, other])
+    # each share gets half a person more, which weighs less among more people
+    assert width(alike) == pytest.approx(width(alike[:7]), rel=0.05)
+    assert width(np.repeat(of_two, 4, axis=0)) > 1.5 * width(np.repeat(of_two, 3, axis=0))
 
 
 def test_odds_of_two_kinds_of_clips_are_counted_by_hand():

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -51,6 +53,11 @@ class RatingDrivers:
         Reason why alpha is unknown; empty if known. The interval may be known anyway.
     n_clips, n_recordings, n_people
         Numbers of clips, recordings and people behind the result.
+
+    Notes
+    -----
+    Intervals are of the mean of people, on recordings like these, if `is_of_people`; else of those
+    who rated.
     """
 
     table: pd.DataFrame
@@ -61,6 +68,11 @@ class RatingDrivers:
     n_clips: int
     n_recordings: int
     n_people: int
+
+    @property
+    def is_of_people(self) -> bool:
+        """Whether enough people rated to resample them, so that intervals are of people."""
+        return self.n_people >= MIN_UNITS
 
     @property
     def with_alpha(self) -> pd.DataFrame:
@@ -87,19 +99,22 @@ def find_drivers(ranks: pd.DataFrame, clips: pd.DataFrame) -> RatingDrivers:
     -----
     Each share of people gets half a person more on both sides. Without it, clips that all rank
     alike would have no estimate. Intervals are percentiles of 2,000 resamples of the recordings
-    (fixed seed), their ends moved outwards for few recordings; each resample takes one Newton step
-    from the estimate.
+    and, independently, of the people (fixed seed), their ends moved outwards for few recordings;
+    each resample takes one Newton step from the estimate. Fewer than eight people are not
+    resampled.
 
     References
     ----------
     Bradley and Terry (1952), Rank analysis of incomplete block designs, Biometrika 39:324;
     Springall (1973), Response surface fitting using a generalization of the Bradley-Terry paired
-    comparison model, Applied Statistics 22:59; Davidson and MacKinnon (1999), Bootstrap testing in
-    nonlinear models, International Economic Review 40:487 (resamples by few steps).
+    comparison model, Applied Statistics 22:59; Cameron, Gelbach and Miller (2011), Robust inference
+    with multiway clustering, Journal of Business & Economic Statistics 29:238 (people and
+    recordings); Davidson and MacKinnon (1999), Bootstrap testing in nonlinear models, International
+    Economic Review 40:487 (resamples by few steps).
     """
     recording, names = pd.factorize(clips["recording"])
     rated = ranks[pd.MultiIndex.from_frame(clips[["clip", "system"]])]
-    above, n_people = _pairs_of(rated.to_numpy(dtype=float))
+    study = _Study(rated.to_numpy(dtype=float), recording)
     counts = len(clips), len(names), len(ranks)
     values = clips[[*DRIVERS]].to_numpy(dtype=float)
     n_with = [len(np.unique(recording[values[:, i] > 0])) for i in range(len(DRIVERS))]
@@ -126,7 +141,7 @@ def find_drivers(ranks: pd.DataFrame, clips: pd.DataFrame) -> RatingDrivers:
             if inflation > MOST_INFLATION:
                 reasons[i] = "it rises and falls with the others: they cannot be told apart"
         scaled = (filled[:, used] - filled[:, used].mean(axis=0)) / spread[used]
-        b, drawn = _regress(scaled, above, n_people, recording)
+        b, drawn = _regress(scaled, study)
         tail = expanded_tail(len(names))
         ends = np.quantile(drawn, [tail, 1 - tail], axis=0)
         odds[:, used] = np.exp(np.clip([b, *ends], -LARGEST_EFFECT, LARGEST_EFFECT))
@@ -135,7 +150,7 @@ def find_drivers(ranks: pd.DataFrame, clips: pd.DataFrame) -> RatingDrivers:
     table = table.assign(value=odds[0], low=odds[1], high=odds[2], reason=reasons)
     if no_alpha:
         return RatingDrivers(table, np.nan, np.nan, np.nan, no_alpha, *counts)
-    return RatingDrivers(table, *_alpha(filled[:, :2], above, n_people, recording), *counts)
+    return RatingDrivers(table, *_alpha(filled[:, :2], study), *counts)
 
 
 def _too_little(n_with: int, spread: float, n: int) -> str:
@@ -154,60 +169,98 @@ def _inflation(values: np.ndarray) -> np.ndarray:
     return inflation
 
 
-def _pairs_of(ranks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the share of people who rank clip i above clip j, and how many rank both, (n, n)."""
-    wins, both = np.zeros((2, ranks.shape[1], ranks.shape[1]))
-    for row in ranks:  # over people, because all pairs of all people would not fit into memory
-        difference = np.subtract.outer(row, row)
-        both += ~np.isnan(difference)
-        wins += (difference > 0) + 0.5 * (difference == 0)
-    return (wins + 0.5) / (both + 1), both * ~np.eye(len(both), dtype=bool)
+@dataclass(frozen=True, eq=False)
+class _Study:
+    """Ranks by people and clips, (n_people, n_clips), and the number of each clip's recording."""
+
+    ranks: np.ndarray
+    recording: np.ndarray
+
+    def by_person(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Yield whether each person ranks clip i above clip j (tie: a half), and ranks both."""
+        for row in self.ranks:  # all pairs of all people would not fit into memory
+            difference = np.subtract.outer(row, row)
+            yield (difference > 0) + 0.5 * (difference == 0), ~np.isnan(difference)
+
+    @cached_property
+    def pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        """Share of people who rank clip i above clip j, and number who rank both, (n, n)."""
+        wins, both = np.zeros((2, self.ranks.shape[1], self.ranks.shape[1]))
+        for is_above, ranks_both in self.by_person():
+            wins += is_above
+            both += ranks_both
+        return (wins + 0.5) / (both + 1), both * ~np.eye(len(both), dtype=bool)
 
 
-def _regress(
-    x: np.ndarray, above: np.ndarray, n_people: np.ndarray, recording: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the effects of the columns of `x`, and those of every resample of the recordings.
+def _regress(x: np.ndarray, study: _Study) -> tuple[np.ndarray, np.ndarray]:
+    """Return the effects of the columns of `x`, and those of every resample.
+
+    Recordings and, from `MIN_UNITS` on, people are resampled independently. Each resample adds the
+    deviations of both.
 
     Parameters
     ----------
     x
         Float64, shape (n_clips, k), centred and scaled to a spread of 1.
-    above, n_people
-        Results of `_pairs_of`.
-    recording
-        Number of each clip's recording.
 
     Returns
     -------
     Shapes (k,) and (`N_RESAMPLES`, k).
     """
+    (above, n_people), recording = study.pairs, study.recording
     k, b = x.shape[1], np.zeros(x.shape[1])
 
-    def slopes() -> tuple[np.ndarray, np.ndarray]:
+    def slopes() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         height = x @ b
         chance = scipy.special.expit(np.subtract.outer(height, height))
-        return n_people * (above - chance), n_people * chance * (1 - chance)
+        return chance, n_people * (above - chance), n_people * chance * (1 - chance)
 
     for _ in range(MOST_STEPS):  # Newton's method: the likelihood has a single maximum
-        left, weight = slopes()
+        _, left, weight = slopes()
         information = x.T @ (np.diag(weight.sum(axis=1)) - weight) @ x
         step = np.linalg.solve(_firm(information), x.T @ left.sum(axis=1))
         b = b + step * min(1.0, LONGEST_STEP / np.abs(step).max(initial=1e-300))
         if np.abs(step).max() < 1e-10:
             break
-    left, weight = slopes()
+    chance, left, weight = slopes()
     n = int(recording.max()) + 1
     rng = np.random.default_rng(SEED)
     drawn = count_units(rng.integers(0, n, (N_RESAMPLES, n)), n)
-    score, information = np.empty((N_RESAMPLES, k)), np.empty((N_RESAMPLES, k, k))
+    score, of_drawn = np.empty((N_RESAMPLES, k)), np.empty((N_RESAMPLES, k, k))
     for i in range(k):  # over drivers: four
         score[:, i] = resample_pairs(drawn, sum_by_recording(x[:, [i]] * left, recording))
         for j in range(i + 1):
             apart = np.subtract.outer(x[:, i], x[:, i]) * np.subtract.outer(x[:, j], x[:, j])
             sums = sum_by_recording(0.5 * weight * apart, recording)
-            information[:, i, j] = information[:, j, i] = resample_pairs(drawn, sums)
-    return b, b + np.linalg.solve(_firm(information), score[:, :, None])[:, :, 0]
+            of_drawn[:, i, j] = of_drawn[:, j, i] = resample_pairs(drawn, sums)
+    effects = b + np.linalg.solve(_firm(of_drawn), score[:, :, None])[:, :, 0]
+    if (n := len(study.ranks)) >= MIN_UNITS:
+        drawn = count_units(rng.integers(0, n, (N_RESAMPLES, n)), n)
+        differences = _differences(x, chance, study) @ np.linalg.inv(_firm(information))
+        effects += (drawn - 1) @ differences
+    return b, effects
+
+
+def _differences(x: np.ndarray, chance: np.ndarray, study: _Study) -> np.ndarray:
+    """Return how far the score of each person is from the mean of people, (n_people, k).
+
+    Resampling recordings already varies how a person ranks single recordings. This part of the
+    variance is taken off, or it would count twice (Cameron, Gelbach and Miller 2011).
+    """
+    n, n_recordings = len(study.ranks), int(study.recording.max()) + 1
+    share = study.pairs[1] / (study.pairs[1] + 1)  # the half person more is nobody's
+    parts = np.zeros((n, n_recordings, x.shape[1]))  # of the score, by person and recording
+    for part, (is_above, ranks_both) in zip(parts, study.by_person(), strict=True):
+        excess = share * (is_above - ranks_both * chance)
+        np.add.at(part, study.recording, x * excess.sum(axis=1)[:, None] - excess @ x)
+    parts -= parts.mean(axis=0)
+    differences = parts.sum(axis=1) / 2  # each pair is a part of two recordings
+    parts -= parts.mean(axis=1, keepdims=True)
+    twice = (parts**2).sum(axis=(0, 1)) * n_recordings / (n_recordings - 1)
+    variance = (differences**2).sum(axis=0)
+    left = np.clip(1 - twice / np.where(variance > 0, variance, 1.0), 0, 1)
+    scaled: np.ndarray = differences * np.sqrt(left * n / (n - 1))
+    return scaled
 
 
 def _firm(information: np.ndarray) -> np.ndarray:
@@ -218,19 +271,17 @@ def _firm(information: np.ndarray) -> np.ndarray:
     return firm
 
 
-def _alpha(
-    losses: np.ndarray, above: np.ndarray, n_people: np.ndarray, recording: np.ndarray
-) -> tuple[float, float, float, str]:
+def _alpha(losses: np.ndarray, study: _Study) -> tuple[float, float, float, str]:
     """Return alpha by the two losses, its interval, and the reason if it is unknown."""
     if _inflation(losses).max() > MOST_INFLATION:
         r = np.corrcoef(losses, rowvar=False)[0, 1]
         why = f"the two losses rise and fall together (correlation {r:.2f})"
         return np.nan, np.nan, np.nan, why
     sd = losses.std(axis=0)
-    b, drawn = _regress((losses - losses.mean(axis=0)) / sd, above, n_people, recording)
+    b, drawn = _regress((losses - losses.mean(axis=0)) / sd, study)
     # an effect below 0 counts as 0, since nobody is pleased by misses
     b, drawn = np.maximum(b / sd, 0), np.maximum(drawn / sd, 0)
-    tail = expanded_tail(int(recording.max()) + 1)
+    tail = expanded_tail(int(study.recording.max()) + 1)
     is_known = drawn.sum(axis=1) > 0
     if b.sum() <= 0 or 1 - is_known.mean() > tail:
         return np.nan, np.nan, np.nan, "clips with larger losses are not shown to annoy more"

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from io import BytesIO
 
 import pandas as pd
+import pytest
 from ratings_page import SIMULATED, from_file, metrics, opened, table, words
 
 from nvcore.common.output.csv_text import to_csv_bytes
@@ -32,7 +34,7 @@ def test_the_samples_simulated_ratings_are_shown_as_such_and_without_who_is_left
     assert correlations["Value"].tolist() == ["0.86", "0.84", "0.66"]
     assert correlations["95 % interval"][0] == "0.59 to 0.95"
     assert len(table(page, "mean_rank")) == 20
-    assert "cannot be told from these ratings: anything from 0.20 to 1.00 fits" in words(page)
+    assert "cannot be told from these ratings: anything from 0.17 to 1.00 fits" in words(page)
     assert table(page, "value")["driver"].tolist() == [*DRIVERS.values()]
     checked(page.multiselect(key="ratings_left_out").set_value([CONTRARY]).run())
     assert "1 participant left out by hand: P12. All numbers are without them." in words(page)
@@ -43,10 +45,28 @@ def test_the_samples_simulated_ratings_are_shown_as_such_and_without_who_is_left
 
 def test_the_alpha_of_people_is_set_against_the_one_in_use():
     found = RatingDrivers(pd.DataFrame(), 0.7, 0.61, 0.8, "", 40, 20, 12)
-    weighed = "by an alpha of **0.70** (95 %: 0.61 to 0.80)"
+    weighed = (
+        "People weigh misses and false alarms by a mean alpha of **0.70** (95 %: 0.61 to 0.80)"
+    )
     assert weighed in drivers.alpha_text(found, 0.9)
     assert "The 0.9 in use is outside of it." in drivers.alpha_text(found, 0.9)
     assert "The 0.65 in use agrees with that." in drivers.alpha_text(found, 0.65)
+    assert drivers.intervals_text(found).startswith("of the mean of people, ")
+
+
+@pytest.mark.parametrize(
+    ("n", "who", "weighs"),
+    [
+        (1, "this participant", "This participant weighs misses and false alarms by an alpha of"),
+        (7, "these 7 participants", "These 7 participants weigh misses and false alarms by a mean"),
+    ],
+)
+def test_few_participants_do_not_speak_of_people(n: int, who: str, weighs: str) -> None:
+    found = RatingDrivers(pd.DataFrame(), 0.7, 0.61, 0.8, "", 40, 20, n)
+    assert drivers.alpha_text(found, 0.9).startswith(weighs)
+    assert drivers.intervals_text(found) == f"of {who} only, from resampling the recordings"
+    unknown = replace(found, reason="too few")
+    assert f"Which alpha {who} weigh" in drivers.alpha_text(unknown, 0.9)
 
 
 def test_a_file_without_systems_asks_whose_boxes_were_shown():

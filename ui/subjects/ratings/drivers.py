@@ -62,22 +62,40 @@ def draw(result: Result, ranks: pd.DataFrame, clips: pd.DataFrame, ratings_key: 
     st.caption(
         f"From {count_text(drivers.n_clips, 'clip')} of "
         f"{count_text(drivers.n_recordings, 'recording')}, ranked by "
-        f"{count_text(drivers.n_people, 'participant')}; intervals are from resampling the "
-        f"recordings ({docs_link('how', 'what-drives-the-ratings', doc='ratings')})."
+        f"{count_text(drivers.n_people, 'participant')}. Intervals are {intervals_text(drivers)} "
+        f"({docs_link('how', 'what-drives-the-ratings', doc='ratings')})."
     )
     download_csv("Drivers (CSV)", lambda: drivers.with_alpha, "drivers.csv", "rating_drivers_csv")
 
 
+def intervals_text(drivers: RatingDrivers) -> str:
+    """Name what the intervals speak of: people, or only those who rated."""
+    if drivers.is_of_people:
+        return "of the mean of people, from resampling recordings and participants"
+    return f"of {_raters(drivers)} only, from resampling the recordings"
+
+
+def _raters(drivers: RatingDrivers) -> str:
+    if drivers.is_of_people:
+        return "people"
+    n = drivers.n_people
+    return "this participant" if n == 1 else f"these {count_text(n, 'participant')}"
+
+
 def alpha_text(drivers: RatingDrivers, alpha: float) -> str:
     """Describe the alpha that the ratings imply, compared with the one in use."""
+    who = _raters(drivers)
+    weigh = "weighs" if drivers.n_people == 1 else "weigh"
     if drivers.reason:
         return (
-            f"Which alpha people weigh misses and false alarms by **cannot be told from these "
+            f"Which alpha {who} {weigh} misses and false alarms by **cannot be told from these "
             f"ratings**: {drivers.reason}."
         )
     is_inside = drivers.low <= alpha <= drivers.high
+    an_alpha = "an alpha" if drivers.n_people == 1 else "a mean alpha"
     return (
-        f"People weigh misses and false alarms by an alpha of **{drivers.alpha:.2f}** (95 %: "
-        f"{drivers.low:.2f} to {drivers.high:.2f}). The {alpha:g} in use "
+        f"{capitalised(who)} {weigh} misses and false alarms by {an_alpha} of "
+        f"**{drivers.alpha:.2f}** (95 %: {drivers.low:.2f} to {drivers.high:.2f}). "
+        f"The {alpha:g} in use "
         f"{'agrees with that' if is_inside else 'is outside of it'}."
     )
