@@ -52,9 +52,10 @@ def make_map(store: Path, tests: Sequence[str]) -> None:
         file for file, digest in test_files.items()
         if known.get(file) != digest and not file.startswith(LEFT_OUT)
     ]  # fmt: skip
+    asked = [file for file in test_files if file.startswith(tuple(tests))] if tests else []
     with make_workers(store) as pool:
         jobs = {}
-        for number, file in enumerate(tests or to_do):
+        for number, file in enumerate(asked or to_do):
             part = store / f"part-{number}"
             shutil.rmtree(part, ignore_errors=True)
             jobs[pool.submit(record_file, file, part)] = file, part

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from builders import NAN, Box, Place, at, make_dataset, result_of
-from drives import turned_by_strict_pairing
+from drives import detector, turned_by_strict_pairing
 
 from nvcore.comparison.compare import Result, compare
 from nvcore.dataset import Dataset
@@ -42,24 +42,6 @@ from nvcore.report.verdict import verdict
 from nvcore.settings.params import Params
 from nvcore.settings.protocols import PROTOCOLS
 from nvcore.subjects.driver.inputs.record import EstimateRecord
-
-
-def detector(
-    seed: int, *, share: float = 0.85, cut: float = 0.0, n: int = 12, has_scores: bool = True
-) -> list[Box]:
-    """Of four pedestrians in 20 frames of n recordings, and an alarm in about every other frame."""
-    rng, boxes = np.random.default_rng(seed), []
-    for number in range(n):
-        for frame in range(20):
-            for centre in (20, 40, 60, 80):
-                hit, score = rng.random() < share, rng.random()
-                if hit:
-                    boxes.append(at(frame, centre, recording=number, score=score))
-            alarm, score = rng.random() < 0.5, 0.9 * rng.random()
-            if alarm:
-                boxes.append(at(frame, 5, recording=number, score=score))
-    boxes = [box for box in boxes if box.score >= cut]
-    return boxes if has_scores else [box._replace(score=NAN) for box in boxes]
 
 
 def scene(x: list[Box], y: list[Box], n: int = 12, **params: float) -> Result:

@@ -8,7 +8,7 @@ from math import exp
 import numpy as np
 import pytest
 from builders import Box, Place, at, make_dataset
-from test_claims import detector
+from drives import detector
 
 from nvcore.comparison.compare import Result, compare
 from nvcore.evidence.claims import Basis, alarm_ratio_limit

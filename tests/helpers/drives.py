@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-from builders import NAN, Place, at, make_dataset, result_of
+from builders import NAN, Box, Place, at, make_dataset, result_of
 
 from nvcore.comparison.compare import Result
 from nvcore.dataset import Dataset
@@ -57,6 +57,24 @@ def turned_by_strict_pairing(n: int = 12) -> Dataset:
                 x.append(at(frame, 5, recording=number, w=10))
             y.append(at(frame, 50 if frame % 4 > 1 else 60, recording=number, w=10))
     return make_dataset(truth, x, y, places=[Place(range(20))] * n)
+
+
+def detector(
+    seed: int, *, share: float = 0.85, cut: float = 0.0, n: int = 12, has_scores: bool = True
+) -> list[Box]:
+    """Of four pedestrians in 20 frames of n recordings, and an alarm in about every other frame."""
+    rng, boxes = np.random.default_rng(seed), []
+    for number in range(n):
+        for frame in range(20):
+            for centre in (20, 40, 60, 80):
+                hit, score = rng.random() < share, rng.random()
+                if hit:
+                    boxes.append(at(frame, centre, recording=number, score=score))
+            alarm, score = rng.random() < 0.5, 0.9 * rng.random()
+            if alarm:
+                boxes.append(at(frame, 5, recording=number, score=score))
+    boxes = [box for box in boxes if box.score >= cut]
+    return boxes if has_scores else [box._replace(score=NAN) for box in boxes]
 
 
 def at_thresholds(scores: bool = True, n: int = 8) -> Result:
