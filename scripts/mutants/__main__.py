@@ -168,7 +168,9 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("command", choices=["map", "run", "table"])
-    parser.add_argument("tests", nargs="*", help="files or folders of tests to map again; all without")
+    parser.add_argument(
+        "tests", nargs="*", help="files or folders of tests to map again; all without"
+    )
     parser.add_argument("--sample", type=int, default=240, help="mutants (default: 240)")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--folders", nargs="+", default=FOLDERS, help="or files")

@@ -33,7 +33,7 @@ FIRST_FILES, FIRST_S = 3, 5.0
 
 
 def make_map(store: Path, tests: Sequence[str]) -> None:
-    """Map the tests of the library that are new or changed, or the files `tests`.
+    """Map the tests of the library that are new or changed, or the files or folders `tests`.
 
     An interrupted map is continued. After an edit of the library it starts again.
     """
