@@ -76,11 +76,7 @@ def draw_drives(kind: Kind, n: int, rng: np.random.Generator, *, effect: float =
 
 
 def _walk(
-    frame: np.ndarray,
-    n_frames: np.ndarray,
-    recording: np.ndarray,
-    n: int,
-    rng: np.random.Generator,
+    frame: np.ndarray, n_frames: np.ndarray, recording: np.ndarray, n: int, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the presence of pedestrians, (n_tracks, n_frames), and their boxes, (4, ...)."""
     n_tracks = len(recording)

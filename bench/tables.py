@@ -216,9 +216,7 @@ def _growth_note(ours: dict[int, dict[str, Any]]) -> str:
 
 
 def _targets_table(
-    ours: dict[int, dict[str, Any]],
-    beside: dict[str, dict[str, Any]],
-    others_at: int,
+    ours: dict[int, dict[str, Any]], beside: dict[str, dict[str, Any]], others_at: int
 ) -> str:
     rows: list[list[str]] = []
 

@@ -39,15 +39,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from scripts.comparisons import (
-    COMPARISONS,
-    FILES,
-    RUNS,
-    RUNS_OF_ALL,
-    SCRIPTS,
-    Comparison,
-    Range,
-)
+from scripts.comparisons import COMPARISONS, FILES, RUNS, RUNS_OF_ALL, SCRIPTS, Comparison, Range
 from scripts.differences import Rewording, compare_folders, read_wordings
 
 WORDINGS = Path(__file__).with_name("wordings.toml")

@@ -293,7 +293,7 @@ def test_it_writes_parquet_and_every_box(folder: Path, tmp_path: Path):
     boxes = pd.read_parquet(tmp_path / "out" / "matches.parquet")
     assert len(boxes) == len(result.matches) == len(result.dataset.boxes)
     assert boxes["file"].str.rpartition("/")[2].unique().tolist() == [
-        *("truth.csv", "fir.csv", "nir.csv"),
+        *("truth.csv", "fir.csv", "nir.csv")
     ]
     with pytest.raises(nv.NvcoreError, match="tables: expected csv or parquet, got 'xlsx'"):
         result.write(tmp_path / "out", tables="xlsx")  # type: ignore[arg-type]

@@ -22,11 +22,7 @@ class Light:
             raise ValueError("lux: expected 0 or more")
 
 
-PLACE = {
-    "lights": tuple[Light, ...],
-    "of": Mapping[str, int],
-    "size": tuple[int, int] | None,
-}
+PLACE = {"lights": tuple[Light, ...], "of": Mapping[str, int], "size": tuple[int, int] | None}
 
 
 @pytest.mark.parametrize(

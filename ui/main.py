@@ -7,16 +7,7 @@ import streamlit as st
 from nvcore.common.errors import NvcoreError
 from ui.serving.life import settle_memory
 from ui.session import settings, state, store
-from ui.shell import (
-    account,
-    live,
-    live_params,
-    sidebar,
-    systems,
-    tab,
-    title,
-    way_out,
-)
+from ui.shell import account, live, live_params, sidebar, systems, tab, title, way_out
 from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, draw_questions, draw_tabs, page_of

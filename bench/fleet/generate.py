@@ -20,16 +20,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from bench.sets import (
-    COLUMNS,
-    FPS,
-    HEIGHT,
-    SEED,
-    WIDTH,
-    Boxes,
-    draw_detections,
-    draw_walkers,
-)
+from bench.sets import COLUMNS, FPS, HEIGHT, SEED, WIDTH, Boxes, draw_detections, draw_walkers
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.subjects.fleet.ingest import ingest_all

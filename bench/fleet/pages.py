@@ -36,10 +36,7 @@ Bytes a frame: {stored:.0f} in the store, {results:.1f} of results. Peak memory 
 """
 LEAST_BATCHES: Final = 4
 """Minimum number of batches at the largest size for simulating larger ones."""
-NAMES: Final = {
-    "scan, 1": "scan, 1 worker",
-    "scan, 2": "scan, 2 workers",
-}
+NAMES: Final = {"scan, 1": "scan, 1 worker", "scan, 2": "scan, 2 workers"}
 PARTS: Final = {
     "time": "total",
     "plan, start": "metadata",

@@ -166,10 +166,7 @@ def section(figures: dict[str, Any]) -> str:
         cells.append(", ".join(f"{s:.2f} s" for s in pressed) if pressed else "–")
         rows.append([name, *cells])
     how = METHOD.format(
-        version=figures["chromium"],
-        seconds=DRAG_S,
-        n=figures["repeat"],
-        load=figures["load"],
+        version=figures["chromium"], seconds=DRAG_S, n=figures["repeat"], load=figures["load"]
     )
     return f"{HEADING}\n\n{how}\n{table(head, rows)}\n"
 

@@ -34,13 +34,7 @@ from nvcore.inputs.session import Session
 from nvcore.inputs.session.toml_text import parse_toml
 from nvcore.notes import Note
 from nvcore.report.brief import render_brief
-from nvcore.report.files import (
-    REPORT_FILES,
-    SESSION_FILE,
-    TABLE_FORMATS,
-    TableFormat,
-    write_report,
-)
+from nvcore.report.files import REPORT_FILES, SESSION_FILE, TABLE_FORMATS, TableFormat, write_report
 from nvcore.report.plan import verdict_plan
 from nvcore.report.protect_inputs import files_read, refuse_to_replace
 from nvcore.report.verdict import Verdict, verdict

@@ -18,12 +18,7 @@ from nvcore.dataset import Dataset
 from nvcore.inputs.facts import frames_from, objects_named, size_from
 from nvcore.inputs.files.pipes import pipes_kept
 from nvcore.inputs.load import load as load_session
-from nvcore.inputs.session import (
-    RecordingsFile,
-    Session,
-    Source,
-    SystemSource,
-)
+from nvcore.inputs.session import RecordingsFile, Session, Source, SystemSource
 from nvcore.inputs.session.changes import override_recordings
 from nvcore.inputs.session.recordings_file import with_recordings_file
 from nvcore.inputs.session.toml import read_session

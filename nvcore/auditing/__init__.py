@@ -61,11 +61,7 @@ if TYPE_CHECKING:
 
 
 def audit(
-    dataset: Dataset,
-    params: Params | None = None,
-    *,
-    x: str | None = None,
-    y: str | None = None,
+    dataset: Dataset, params: Params | None = None, *, x: str | None = None, y: str | None = None
 ) -> tuple[Finding, ...]:
     """Find everything that is wrong or suspicious in the inputs, worst first.
 

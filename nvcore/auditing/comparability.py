@@ -16,12 +16,7 @@ from nvcore.metrics.detection.operating_point import are_unequal_alarms, thresho
 from nvcore.metrics.encounters import encounters_of, mostly_one_frame
 from nvcore.metrics.matching import Matches
 from nvcore.metrics.proximity import weigh_proximity
-from nvcore.metrics.proximity.borrowing import (
-    Borrowed,
-    borrowed_distances,
-    borrows,
-    weighing_truth,
-)
+from nvcore.metrics.proximity.borrowing import Borrowed, borrowed_distances, borrows, weighing_truth
 from nvcore.settings.params import Params
 
 MIN_ENCOUNTERS: Final = 10
@@ -79,11 +74,7 @@ SHARE_APART: Final = 0.5
 
 
 def audit_weighting(
-    truth: BoxSource,
-    x: BoxSource,
-    y: BoxSource,
-    matches: tuple[Matches, Matches],
-    params: Params,
+    truth: BoxSource, x: BoxSource, y: BoxSource, matches: tuple[Matches, Matches], params: Params
 ) -> list[Finding]:
     """Report X, Y and truth weighted by different rules because one of them lacks distances.
 

@@ -7,12 +7,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.auditing.cases import (
-    file_name,
-    place,
-    spelled,
-    without_doubles,
-)
+from nvcore.auditing.cases import file_name, place, spelled, without_doubles
 from nvcore.common.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
 from nvcore.common.wording import count_text
 from nvcore.dataset import Dataset

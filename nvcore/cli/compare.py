@@ -262,10 +262,7 @@ def check(out: Path | None, strict: bool, **options: Any) -> None:
 
     session = session_from(options, needs_y=False)
     _protect_inputs(session, options["session_file"], out, AUDIT_FILES)
-    with (
-        errors_of(session),
-        TerminalProgress(5 + len(session.systems)) as steps,
-    ):
+    with errors_of(session), TerminalProgress(5 + len(session.systems)) as steps:
         dataset = load(session, progress=steps)
         steps.begin("auditing the inputs")
         findings = audit(dataset)

@@ -20,11 +20,7 @@ from nvcore.cli.options import (
 )
 from nvcore.cli.program import BadInput
 from nvcore.cli.session_options import session_from
-from nvcore.cli.steps import (
-    compare_session,
-    errors_of,
-    shown_findings,
-)
+from nvcore.cli.steps import compare_session, errors_of, shown_findings
 from nvcore.common.arguments import FOLDER, OUTPUT
 from nvcore.common.errors import InputError, NvcoreError
 from nvcore.common.output.files import write_whole

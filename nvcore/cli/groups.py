@@ -24,10 +24,7 @@ from nvcore.common.arguments.groups import GroupArguments
 @click.argument("table", type=FILE)
 @options_of(GroupArguments)
 @grouped_option(
-    OUTPUT,
-    "--out",
-    type=FOLDER,
-    help="Write the tables as CSV, and groups.json, into this folder.",
+    OUTPUT, "--out", type=FOLDER, help="Write the tables as CSV, and groups.json, into this folder."
 )
 @grouped_option(OUTPUT, "--json", "as_json", is_flag=True, help="Print groups.json.")
 def groups(table: Path, out: Path | None, as_json: bool, **options: Any) -> None:

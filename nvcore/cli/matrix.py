@@ -36,10 +36,7 @@ from nvcore.common.arguments import FOLDER, OUTPUT
 )
 @input_options
 @grouped_option(
-    OUTPUT,
-    "--out",
-    type=FOLDER,
-    help="Write matrix.csv and matrix.json into this folder.",
+    OUTPUT, "--out", type=FOLDER, help="Write matrix.csv and matrix.json into this folder."
 )
 @grouped_option(
     OUTPUT, "--json", "as_json", is_flag=True, help="Print matrix.json, not the tables."

@@ -365,10 +365,7 @@ def input_flags(command: Callable[..., Any]) -> Callable[..., Any]:
         *reading_options,
         *(
             grouped_option(
-                READING,
-                f"--{kind}-{end}",
-                help=f"As --{kind}, of {whose} alone.",
-                **values,
+                READING, f"--{kind}-{end}", help=f"As --{kind}, of {whose} alone.", **values
             )
             for kind, values in (
                 ("format", {"metavar": "FORMAT"}),

@@ -42,11 +42,7 @@ from nvcore.common.wording import one_line
 @input_options
 @options_of(PlanArguments)
 @grouped_option(
-    OUTPUT,
-    "--out",
-    type=FILE,
-    metavar="FILE.json",
-    help="Write the plan as JSON into this file.",
+    OUTPUT, "--out", type=FILE, metavar="FILE.json", help="Write the plan as JSON into this file."
 )
 @grouped_option(OUTPUT, "--json", "as_json", is_flag=True, help="Print the plan as JSON.")
 @strict_option

@@ -29,10 +29,7 @@ TEXTS: Final[RemedyTexts] = {
         "convert the files to CSV with the header {value} (docs/formats.md)",
         "frame,x,y,w,h,score",
     ),
-    Remedy.PICTURES: (
-        'write pictures = "{value}" under the recording in the session file',
-        "PATH",
-    ),
+    Remedy.PICTURES: ('write pictures = "{value}" under the recording in the session file', "PATH"),
     Remedy.FIRST_PICTURE: (
         "write first_picture = {value} under the recording in the session file",
         "FRAME",

@@ -258,9 +258,4 @@ def source_options(options: dict[str, Any], side: str = "") -> dict[str, Any]:
         for key in ("frame_base", "box_base")
     }
     names = None if classes is None else tuple(name.strip() for name in classes.split(","))
-    return {
-        "classes": names,
-        "boxes": boxes,
-        "frame_names": frame_names,
-        **bases,
-    }
+    return {"classes": names, "boxes": boxes, "frame_names": frame_names, **bases}

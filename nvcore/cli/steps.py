@@ -33,10 +33,7 @@ Job = TypeVar("Job")
 
 
 def compare_session(
-    session: Session,
-    otherwise: OperatingPoint = "as-set",
-    *,
-    progress: Progress = no_progress,
+    session: Session, otherwise: OperatingPoint = "as-set", *, progress: Progress = no_progress
 ) -> tuple[Result, tuple[Finding, ...]]:
     """Load and compare a session. Return the result and the audit's findings.
 

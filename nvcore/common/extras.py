@@ -14,12 +14,7 @@ REPORT: Final = ("av", "cv2", "plotly", "tsdownsample")
 OF_SUBJECTS: Final = dict(chain(*(subject.extras.items() for subject in subjects())))
 OF_PAGES: Final = chain(*(of.extras.get(of.name, ()) for of in subjects() if of.has_pages))
 APP: Final = (*REPORT, *OF_PAGES, "streamlit")
-PACKAGES: Final = {
-    "report": REPORT,
-    "app": APP,
-    "login": (*APP, "authlib", "httpx"),
-    **OF_SUBJECTS,
-}
+PACKAGES: Final = {"report": REPORT, "app": APP, "login": (*APP, "authlib", "httpx"), **OF_SUBJECTS}
 """Import names of the packages of each extra of pyproject.toml."""
 
 

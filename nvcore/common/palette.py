@@ -58,8 +58,7 @@ STYLES: Final = (
         *("longdash", "dashed", (12, 4), "pentagon"),
     ),
     SystemStyle(
-        *("magenta", "#B0307A", "#F478B8", "dash-dotted"),
-        *("dashdot", "double", (8, 3), "cross"),
+        *("magenta", "#B0307A", "#F478B8", "dash-dotted"), *("dashdot", "double", (8, 3), "cross")
     ),
     SystemStyle("teal", "#00767A", "#45CBCB", "dotted", "dot", "dotted", (2, 3), "star"),
 )

@@ -32,12 +32,7 @@ from nvcore.metrics.fusion import fuse
 from nvcore.metrics.linking import TruthTracks
 from nvcore.metrics.matching import count_per_frame
 from nvcore.metrics.proximity import Weights, in_use, weigh_proximity
-from nvcore.metrics.proximity.borrowing import (
-    Borrowed,
-    borrowed_distances,
-    borrows,
-    weighing_truth,
-)
+from nvcore.metrics.proximity.borrowing import Borrowed, borrowed_distances, borrows, weighing_truth
 from nvcore.metrics.saliency import saliency_by_recording
 from nvcore.metrics.severity import cost_of_miss
 from nvcore.metrics.venn import (
@@ -248,9 +243,7 @@ class Result:
     def saliency_of_recordings(self, system: SystemResult) -> np.ndarray:
         """Return each recording's saliency, s, 0 is best, float64, shape (n_recordings,)."""
         return saliency_by_recording(
-            system.events,
-            len(self.dataset.recordings),
-            aggregate=self.params.saliency_aggregate,
+            system.events, len(self.dataset.recordings), aggregate=self.params.saliency_aggregate
         )
 
     @property

@@ -15,12 +15,7 @@ from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import EVIDENCE_KEYS, inference_of, measure_of
 from nvcore.evidence.bootstrap import CONFIDENCE
 from nvcore.evidence.companions import Companions
-from nvcore.evidence.operating_points import (
-    are_delivered,
-    are_unequal,
-    count_alarms,
-    has_scores,
-)
+from nvcore.evidence.operating_points import are_delivered, are_unequal, count_alarms, has_scores
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import WHOLE, Units, find_units
 from nvcore.notes import Note

@@ -16,11 +16,7 @@ from nvcore.comparison.compare import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.evidence.claims import find_claims, values_of
 from nvcore.evidence.companions import Companions, find_companions
-from nvcore.evidence.measures import (
-    Evidence,
-    judge,
-    judge_encounters,
-)
+from nvcore.evidence.measures import Evidence, judge, judge_encounters
 from nvcore.evidence.operating_points import are_unequal, why_not_equal
 from nvcore.evidence.paired_tests import SIGNIFICANT, holm
 from nvcore.evidence.units import find_units
@@ -73,13 +69,7 @@ CLAIMED: Final = {
 """Columns for the better system of a pair, by measure."""
 
 
-SYSTEM_COLUMNS: Final = (
-    "system",
-    "threshold",
-    "false_alarms_per_frame",
-    "detected",
-    "similarity",
-)
+SYSTEM_COLUMNS: Final = ("system", "threshold", "false_alarms_per_frame", "detected", "similarity")
 
 
 def thresholds_in_use(dataset: Dataset, params: Params) -> dict[str, float | None]:
@@ -271,8 +261,7 @@ def _claims(
     better = {CLAIMED[claim.key]: names[claim.winner] for claim in support.claims}
     reasons = [
         phrase(
-            Note("verdict.unclaimed_of_pair", key=key, reason=_by_name(why, names)),
-            result.objects,
+            Note("verdict.unclaimed_of_pair", key=key, reason=_by_name(why, names)), result.objects
         )
         for key, why in support.withheld.items()
     ]

@@ -36,13 +36,7 @@ from nvcore.inputs.recordings import (
 )
 from nvcore.inputs.session import SYSTEM_KEYS_OF_SUBJECTS, Session
 
-REASONS: Final = (
-    "",
-    "unknown recording",
-    "frame not listed",
-    "not a number",
-    "no area",
-)
+REASONS: Final = ("", "unknown recording", "frame not listed", "not a number", "no area")
 """Reasons why a box has no frame, in the order of the checks. The first means that it has one."""
 DENSE: Final = 4
 """Frame numbers per listed one up to which a table of all numbers is fastest."""
@@ -123,11 +117,7 @@ class LoadedSource:
     provenance: Provenance | None = None
 
 
-def place_sources(
-    session: Session,
-    loaded: list[LoadedSource],
-    max_frames: int | None,
-) -> Dataset:
+def place_sources(session: Session, loaded: list[LoadedSource], max_frames: int | None) -> Dataset:
     """Build the dataset of all sources, with every box assigned to its frame.
 
     Parameters
@@ -279,10 +269,7 @@ def _placed(
 
 
 def _frames(
-    session: Session,
-    truth: LoadedSource,
-    recordings: pd.DataFrame,
-    is_compared: list[bool],
+    session: Session, truth: LoadedSource, recordings: pd.DataFrame, is_compared: list[bool]
 ) -> tuple[list[np.ndarray], list[str]]:
     """Return the listed frames of every recording, with a text on how they were chosen."""
     entries = session.entries(recordings["name"].tolist()).items()

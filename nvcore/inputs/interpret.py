@@ -195,7 +195,5 @@ def without_row_numbers(reading: Reading, options: ReadOptions) -> Reading:
     )
     track = reading.boxes["track"].mask(reading.boxes["recording"].isin(table.index), NO_TRACK)
     return replace(
-        reading,
-        boxes=reading.boxes.assign(track=track),
-        findings=(*reading.findings, finding),
+        reading, boxes=reading.boxes.assign(track=track), findings=(*reading.findings, finding)
     )

@@ -34,11 +34,7 @@ from nvcore.inputs.assign_frames import LoadedSource, place_sources
 from nvcore.inputs.box_layouts import sizes_given, with_layout
 from nvcore.inputs.codes import codes_beyond, with_codes
 from nvcore.inputs.files.find import digest, find_files, located, system_names
-from nvcore.inputs.interpret import (
-    renamed_reading,
-    with_names_interpreted,
-    without_row_numbers,
-)
+from nvcore.inputs.interpret import renamed_reading, with_names_interpreted, without_row_numbers
 from nvcore.inputs.readers.base import (
     Reading,
     ReadOptions,

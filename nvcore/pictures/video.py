@@ -19,12 +19,7 @@ import numpy as np
 from nvcore.common.errors import MediaError
 from nvcore.common.wording import one_line
 from nvcore.pictures.base import Picture, Pictures, RecentPictures, check_index
-from nvcore.pictures.containers import (
-    DAMAGED,
-    REORDERED,
-    check_samples,
-    open_container,
-)
+from nvcore.pictures.containers import DAMAGED, REORDERED, check_samples, open_container
 from nvcore.pictures.header import check_size
 from nvcore.pictures.listing import decoded, list_pictures
 
@@ -97,8 +92,7 @@ class Video(Pictures):
             if picture is None:
                 self._lost.add(position)
                 raise MediaError(
-                    f"picture {index} cannot be decoded: the video is damaged there",
-                    file=self.name,
+                    f"picture {index} cannot be decoded: the video is damaged there", file=self.name
                 )
             return picture
 

@@ -15,14 +15,7 @@ from nvcore import __version__
 from nvcore.common.errors import InputError
 from nvcore.common.output.csv_text import to_csv_bytes
 from nvcore.common.output.files import refuse_other_run, write_run
-from nvcore.common.wording import (
-    aligned,
-    count_text,
-    difference,
-    interval_text,
-    number,
-    one_line,
-)
+from nvcore.common.wording import aligned, count_text, difference, interval_text, number, one_line
 from nvcore.common.wording.footnotes import Footnotes
 from nvcore.comparison.measures.table import evidence_form
 from nvcore.dataset import Dataset

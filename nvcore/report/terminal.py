@@ -33,11 +33,7 @@ from nvcore.report.section import (
 from nvcore.report.sections import result_sections, with_cautions
 from nvcore.report.sections.results import significance_section
 from nvcore.report.verdict import Verdict
-from nvcore.report.words import (
-    n_frames_text,
-    sampling_note,
-    scorecard_cells,
-)
+from nvcore.report.words import n_frames_text, sampling_note, scorecard_cells
 from nvcore.settings.objects import Objects
 from nvcore.tables.inputs import inputs_table
 

@@ -8,13 +8,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.common.wording import (
-    UNDEFINED,
-    count_text,
-    difference,
-    interval_text,
-    number,
-)
+from nvcore.common.wording import UNDEFINED, count_text, difference, interval_text, number
 from nvcore.common.wording.footnotes import Footnotes
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.entry import MeasureTable

@@ -133,11 +133,7 @@ def test_results_of_coco_with_corners_are_read_as_corners_when_the_session_says_
         {"id": n, "image_id": row.frame, "category_id": 1, "bbox": [row.x, row.y, row.w, row.h]}
         for n, row in enumerate(people.itertuples(), start=1)
     ]
-    content = {
-        "images": images,
-        "annotations": boxes,
-        "categories": [{"id": 1, "name": PERSON}],
-    }
+    content = {"images": images, "annotations": boxes, "categories": [{"id": 1, "name": PERSON}]}
     (tmp_path / "truth.json").write_text(json.dumps(content))
     for name in "xy":
         table = detections(name)

@@ -250,11 +250,7 @@ def test_the_sample_recordings_are_no_copies():
 @pytest.mark.realdata
 def test_real_recordings_are_found_only_if_drawn_again(realdata: Path):
     folder = realdata / "mot15"
-    mot = nv.load(
-        truth=folder,
-        x=f"{folder}/*/det_frcnn/det.txt",
-        y=f"{folder}/*/res_devkit/*.txt",
-    )
+    mot = nv.load(truth=folder, x=f"{folder}/*/det_frcnn/det.txt", y=f"{folder}/*/res_devkit/*.txt")
     folder = realdata / "kaist"
     results = (folder / "results" / f"{name}_result.txt" for name in ("MBNet", "MLPD"))
     x, y = results

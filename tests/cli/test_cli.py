@@ -64,11 +64,7 @@ RELATIVE = ("--truth", "truth.csv", "--x", "f*.csv", "--y", "./nir.csv", *FACTS,
 
 @pytest.mark.parametrize(
     ("given", "n_frames"),
-    [
-        (RELATIVE, 6),
-        (("session.toml",), 30),
-        (("--truth", "mot", "--x", "mot", "--y", "mot"), 10),
-    ],
+    [(RELATIVE, 6), (("session.toml",), 30), (("--truth", "mot", "--x", "mot", "--y", "mot"), 10)],
     ids=["flags", "session", "folders"],
 )
 def test_the_written_session_gives_the_same_bytes_elsewhere(

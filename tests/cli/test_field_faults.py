@@ -40,14 +40,8 @@ FAULTS: dict[str, tuple[Change, str]] = {
         lambda t: t.assign(**{name: t[name] / 2 for name in "xywh"}),
         "multiplied by 2",
     ),
-    "frames shifted": (
-        lambda t: t.assign(frame=t["frame"] + 5),
-        "--offset-frames-x -5",
-    ),
-    "frames counted from 1": (
-        lambda t: t.assign(frame=t["frame"] + 1),
-        "--offset-frames-x -1",
-    ),
+    "frames shifted": (lambda t: t.assign(frame=t["frame"] + 5), "--offset-frames-x -5"),
+    "frames counted from 1": (lambda t: t.assign(frame=t["frame"] + 1), "--offset-frames-x -1"),
     "fitted into a square input with bars": (
         lambda t: t.assign(x=t["x"] * 0.65, y=t["y"] * 0.65 + 52, w=t["w"] * 0.65, h=t["h"] * 0.65),
         "multiplied by 1.538) and 80.0 px too far down",
@@ -56,10 +50,7 @@ FAULTS: dict[str, tuple[Change, str]] = {
         lambda t: t[t["frame"] % 2 == 0].assign(frame=lambda u: u["frame"] // 2),
         "every second|rate|2 x",
     ),
-    "numbers of classes without names": (
-        numbers_of_all,
-        "class",
-    ),
+    "numbers of classes without names": (numbers_of_all, "class"),
 }
 
 

@@ -132,8 +132,7 @@ def test_perfect_detectors_have_an_area_of_1_and_false_positives_or_nothing_none
 
 
 @pytest.mark.parametrize(
-    "undefined",
-    [curve_of([0], [4], n_truth=0), curve_of([3], [1], n_truth=4, is_ranked=False)],
+    "undefined", [curve_of([0], [4], n_truth=0), curve_of([3], [1], n_truth=4, is_ranked=False)]
 )
 def test_without_pedestrians_or_scores_areas_are_undefined(undefined):
     assert all(math.isnan(area(undefined)) for area in AREAS)

@@ -70,8 +70,7 @@ def test_the_log_average_is_that_of_plain_loops(seed):
 
 
 @pytest.mark.parametrize(
-    "undefined",
-    [curve_of([0], [4], n_truth=0), curve_of([3], [1], n_truth=4, is_ranked=False)],
+    "undefined", [curve_of([0], [4], n_truth=0), curve_of([3], [1], n_truth=4, is_ranked=False)]
 )
 def test_without_pedestrians_or_scores_it_is_undefined(undefined):
     assert math.isnan(log_average_miss_rate(undefined))

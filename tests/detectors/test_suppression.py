@@ -57,8 +57,7 @@ def test_the_less_confident_of_two_overlapping_boxes_goes(overlap, of, expected)
 
 
 @pytest.mark.parametrize(
-    ("of", "second"),
-    [("union", [0.0, 0, 10, 5]), ("smaller", [5.0, 0, 10, 10])],
+    ("of", "second"), [("union", [0.0, 0, 10, 5]), ("smaller", [5.0, 0, 10, 10])]
 )
 def test_a_box_goes_by_more_than_the_overlap_and_not_by_just_that(of, second):
     box = np.array([[0.0, 0, 10, 10], second]).T  # they share 50 px², just a half

@@ -314,10 +314,7 @@ def without(rows: list[str], *gaps: tuple[float, float]) -> list[str]:
     [
         (readings(0, 0.05, 240), f"{NONE}; {OF_LUX}."),
         (readings(0, 50, 120), f"{NONE}, with one reading in 50 s; {OF_LUX}."),
-        (
-            readings(2.5, 0.05, 120),
-            f"{ONE}; {OF_LUX}; readings are from 2.5 to 17.4 s, {OF_10_S}.",
-        ),
+        (readings(2.5, 0.05, 120), f"{ONE}; {OF_LUX}; readings are from 2.5 to 17.4 s, {OF_10_S}."),
         (
             readings(100_000, 0.05, 120),
             f"The light meter's readings are from 100,000 to 100,015 s, {NOTHING}",

@@ -94,11 +94,7 @@ ONLY_ONE[0] = 1, 4
     [
         (*draw(6, 0), np.nan, "undefined"),
         (*draw(6, 1), 0.1066, "too few units for an interval: 1, at least 8"),
-        (
-            *draw(6, MIN_UNITS - 1),
-            0.0107,
-            "few units for an interval: 7, at least 8 are needed",
-        ),
+        (*draw(6, MIN_UNITS - 1), 0.0107, "few units for an interval: 7, at least 8 are needed"),
         (SHARED, SHARED.copy(), 0, "X and Y are the same in all units"),
         (SHARED, rates(SHARED[:, 0] - 0.1), 0.1, "differ by the same in all units"),
         (3 * ONLY_ONE / [1, 3], ONLY_ONE, 0.5, "undefined in some resamples"),

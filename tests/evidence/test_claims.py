@@ -15,12 +15,7 @@ from drives import detector, turned_by_strict_pairing
 from nvcore.comparison.compare import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.evidence.claims import Basis, Support, find_claims, values_of
-from nvcore.evidence.companions import (
-    UNSURE,
-    find_companions,
-    least_of,
-    shifts_at_equal_alarms,
-)
+from nvcore.evidence.companions import UNSURE, find_companions, least_of, shifts_at_equal_alarms
 from nvcore.evidence.measures import significance_table
 from nvcore.evidence.operating_points import (
     are_unequal,

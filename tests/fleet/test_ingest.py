@@ -14,13 +14,7 @@ from store_writers import recordings
 import nvcore as nv
 from nvcore.common.errors import InputError, ParameterError, SessionError
 from nvcore.dataset import Dataset
-from nvcore.inputs.session import (
-    TABLES_OF_SUBJECTS,
-    RecordingEntry,
-    Session,
-    Source,
-    SystemSource,
-)
+from nvcore.inputs.session import TABLES_OF_SUBJECTS, RecordingEntry, Session, Source, SystemSource
 from nvcore.subjects.fleet import ingest as ingest_module
 from nvcore.subjects.fleet.ingest import CARRIED, tables_of
 from nvcore.subjects.fleet.store import Store, other_settings

@@ -355,10 +355,7 @@ def test_a_writer_that_dies_leaves_nothing_that_is_seen(tmp_path: Path):
         assert now.sources.equals(before.sources)
         assert content(now).equals(content(before))
     new, _ = Store(location).append([tables_of(longer)])
-    assert [len(rows) for rows in new.values()] == [
-        0,
-        3,
-    ]  # the recording was there, unseen
+    assert [len(rows) for rows in new.values()] == [0, 3]  # the recording was there, unseen
     now = Store(location).snapshot()
     assert now.sources["version"].max() == 2
     check_same(now, longer)

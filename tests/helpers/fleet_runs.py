@@ -144,11 +144,7 @@ def killed_at(recording: str, folder: Path, times: int) -> Callable[..., Any]:
 
 
 def _killed_at(
-    recording: str,
-    folder: Path,
-    times: int,
-    tables: Mapping[str, pa.Table],
-    params: ScanParams,
+    recording: str, folder: Path, times: int, tables: Mapping[str, pa.Table], params: ScanParams
 ) -> Any:
     if recording in ("", *named(tables)):
         number = len([*folder.glob("killed-*")])

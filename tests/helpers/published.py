@@ -8,11 +8,7 @@ from nvcore.dataset import Dataset
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 
-PUBLISHED = {
-    "MBNet": (8.13, 8.28, 7.86),
-    "MLPD": (7.58, 7.95, 6.95),
-    "GAFF": (6.48, 8.35, 3.46),
-}
+PUBLISHED = {"MBNet": (8.13, 8.28, 7.86), "MLPD": (7.58, 7.95, 6.95), "GAFF": (6.48, 8.35, 3.46)}
 
 
 MEASURED = {  # not published under this protocol: they hold what we found

@@ -283,10 +283,7 @@ def test_coco_results_number_classes_as_the_truth_does(tmp_path: Path):
 
 @pytest.mark.parametrize(
     ("categories", "words"),
-    [
-        (None, "it is needed"),
-        ({"1": "speed sign 50"}, "no category for speed sign 30"),
-    ],
+    [(None, "it is needed"), ({"1": "speed sign 50"}, "no category for speed sign 30")],
 )
 def test_coco_results_of_classes_that_cannot_be_numbered_are_refused(tmp_path, categories, words):
     of_truth = None if categories is None else replace(signs("truth"), categories=categories)

@@ -101,11 +101,7 @@ def test_a_link_is_shown_by_its_own_name(tmp_path: Path):
         (".", None, r"no file that could be truth \(endings: \.txt, \.csv"),
         ("a" * 5000, None, "cannot be opened"),
         ("a.res", "coco-results", "files hold no truth"),
-        (
-            "a.res",
-            "mott",
-            r"no format 'mott'; did you mean 'mot'\? The formats are bbgt ",
-        ),
+        ("a.res", "mott", r"no format 'mott'; did you mean 'mot'\? The formats are bbgt "),
     ],
 )
 def test_what_gives_no_file_is_named(

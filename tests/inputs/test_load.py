@@ -9,16 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from inputs import (
-    DETECTIONS,
-    TRUTH,
-    boxes_of,
-    drive,
-    mot_layout,
-    one_box,
-    session_of,
-    write,
-)
+from inputs import DETECTIONS, TRUTH, boxes_of, drive, mot_layout, one_box, session_of, write
 from places import DATA
 from reader_files import rows
 

@@ -47,9 +47,7 @@ def test_people_whose_ids_number_the_rows_are_linked_by_overlap():
 
 
 @pytest.mark.parametrize(
-    ("n_twice", "n_people"),
-    [(1, 2), (3, 97 + 2)],
-    ids=["1 of 99 ids", "3 of 97 ids"],
+    ("n_twice", "n_people"), [(1, 2), (3, 97 + 2)], ids=["1 of 99 ids", "3 of 97 ids"]
 )
 def test_nearly_all_ids_are_enough(n_twice: int, n_people: int):
     # 100 rows; so many ids also stand in the row 50 later, 25 frames on

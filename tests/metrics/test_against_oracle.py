@@ -59,10 +59,7 @@ def each_system(
     place, params = scene.places[recording], result.params
     truth = scene.by_frame(scene.truth, recording)
     return [
-        (
-            system,
-            oracle.score(place, truth, scene.by_frame(boxes, recording), params, threshold),
-        )
+        (system, oracle.score(place, truth, scene.by_frame(boxes, recording), params, threshold))
         for system, boxes, threshold in (
             (result.x, scene.x, params.threshold_x),
             (result.y, scene.y, params.threshold_y),

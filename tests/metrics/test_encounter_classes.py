@@ -114,10 +114,7 @@ def test_who_has_another_beside_him_in_half_of_his_frames_is_in_a_group():
     # of 17 px, a person of 1.7 m: beside is up to 15 px
     def pair(frame: int, apart: float, *, h: float = 17.0) -> list[Box]:
         first, second = 2 * frame + 1, 2 * frame + 2
-        return [
-            at(frame, 150, h=17.0, track=first),
-            at(frame, 150 + apart, h=h, track=second),
-        ]
+        return [at(frame, 150, h=17.0, track=first), at(frame, 150 + apart, h=h, track=second)]
 
     truth = [*pair(0, 14), *pair(1, 16), *pair(2, 14, h=13.0)]
     truth += [at(3, 150, h=17.0, track=7), at(3, 155, h=17.0, ignore=True)]  # nobody

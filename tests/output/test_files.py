@@ -53,9 +53,7 @@ def test_a_run_that_is_stopped_leaves_the_older_one(tmp_path: Path, stop: BaseEx
     assert files_in(tmp_path) == {name: f"old {name}" for name in NAMES}
 
 
-def test_a_run_that_is_killed_leaves_the_older_one_and_its_rest_goes_with_the_next(
-    tmp_path: Path,
-):
+def test_a_run_that_is_killed_leaves_the_older_one_and_its_rest_goes_with_the_next(tmp_path: Path):
     program = (
         "import os, sys; from pathlib import Path\n"
         "from nvcore.common.output.files import write_run\n"

@@ -29,10 +29,7 @@ def pedestrian(
 
 
 def detection(
-    state: DetectionState = DetectionState.MATCHED,
-    *,
-    box: tuple[float, ...] = BOX,
-    label: str = "",
+    state: DetectionState = DetectionState.MATCHED, *, box: tuple[float, ...] = BOX, label: str = ""
 ) -> DrawnDetections:
     return DrawnDetections(np.array([box]), np.array([state], np.int8), [label] if label else [])
 

@@ -42,9 +42,7 @@ def tile_of(sample: tuple[Result, pd.DataFrame, Companions], key: str, **row: ob
     return next(tile for tile in tiles(result, changed, companions) if tile.key in key)
 
 
-def test_the_values_are_those_of_the_scorecard(
-    sample: tuple[Result, pd.DataFrame, Companions],
-):
+def test_the_values_are_those_of_the_scorecard(sample: tuple[Result, pd.DataFrame, Companions]):
     four = tiles(*sample)
     assert [tile.title for tile in four] == [
         "Pedestrians found", "Time missed", "False-alert episodes", "Worst miss"

@@ -11,14 +11,7 @@ from builders import Place, at, make_dataset, result_of
 from nvcore.comparison.compare import Result
 from nvcore.metrics.venn import Venn, measure_exclusivity
 from nvcore.notes import Note
-from nvcore.report.words import (
-    at_best,
-    fusion_gains,
-    lead,
-    misses,
-    saliencies,
-    saliency_caveat,
-)
+from nvcore.report.words import at_best, fusion_gains, lead, misses, saliencies, saliency_caveat
 from nvcore.settings.params import Params
 from nvcore.tables.encounters.miss_classes import fusion_table
 

@@ -82,11 +82,7 @@ WIDE, BESIDE = [at(0, 50, w=40, track=1)], [at(0, 60, w=40)]  # IoU 0.6, 10 px a
         ((WIDE, BESIDE), {}, "X's nearest detection is up to 10 px from pedestrian 1 (up to 50 px"),
         ((WIDE, BESIDE), {"alpha": 0.1}, "X has detections up to 10 px from the nearest pedes"),
         # a far one before frame 4: told for the interval, not for the time before
-        (
-            (APPROACH,),
-            {"proximity": "height"},
-            "X misses pedestrian 1 (up to 50 px tall) for 0.4",
-        ),
+        ((APPROACH,), {"proximity": "height"}, "X misses pedestrian 1 (up to 50 px tall) for 0.4"),
         # track 2 in the middle for 1 frame, track 1 a little aside for 5: most of the interval
         ((ASIDE,), {}, "X misses pedestrian 1"),
     ],

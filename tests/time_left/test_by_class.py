@@ -57,17 +57,7 @@ def test_the_report_has_the_table_by_class_and_says_why_there_is_no_interval():
     assert isinstance(by_class, Table)
     assert "Impact: mean impact speed" in by_class.note
     (row,) = [row for row in by_class.rows if row[0].startswith("a child")]
-    assert row == (
-        "a child, 3 urgent",
-        "2",
-        "1",
-        "+33.3 pp",
-        "–",
-        "16.7",
-        "27.1",
-        "-10.5",
-        "–",
-    )
+    assert row == ("a child, 3 urgent", "2", "1", "+33.3 pp", "–", "16.7", "27.1", "-10.5", "–")
     assert by_class.marks[by_class.rows.index(row)] == "a"
     assert by_class.note.startswith("a: Too few blocks for an interval: 3")
 

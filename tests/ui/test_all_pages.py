@@ -39,7 +39,7 @@ def situation(name: str, folder: Path) -> Path:
 
 
 SITUATIONS = [
-    *("sample", "one system", "nobody detected", "audit errors", "frames pass for encounters"),
+    *("sample", "one system", "nobody detected", "audit errors", "frames pass for encounters")
 ]
 """All but the sample have no pictures."""
 

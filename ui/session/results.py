@@ -80,9 +80,7 @@ def input_findings() -> tuple[Finding, ...]:
     with st.spinner("Auditing the inputs"):
         findings = cached_findings(state.cached, dataset, state.params(), *state.systems())
     of_pictures = space.cached(
-        "audit_pictures",
-        space.pictures_version,
-        lambda: audit_pictures(dataset, space.pictures),
+        "audit_pictures", space.pictures_version, lambda: audit_pictures(dataset, space.pictures)
     )
     return worst_first([*findings, *of_pictures])
 

@@ -149,8 +149,7 @@ async def _picture(
     index = int(rows[row])
     try:
         content = await run_sync(
-            lambda: jpeg(show(pictures.read(index)), quality=QUALITY),
-            limiter=space.picture_turns,
+            lambda: jpeg(show(pictures.read(index)), quality=QUALITY), limiter=space.picture_turns
         )
     except MediaError as error:
         return not_found(error.message)
@@ -212,10 +211,7 @@ async def upload(request: Request, space: Workspace) -> Response:
     n_bytes = int(stated) if stated.isascii() and stated.isdigit() and len(stated) < 19 else None
     try:
         stored = await receive(
-            space,
-            request.query_params.get("name", ""),
-            request.stream(),
-            n_bytes=n_bytes,
+            space, request.query_params.get("name", ""), request.stream(), n_bytes=n_bytes
         )
     except UploadError as error:
         return say(error.status, str(error))

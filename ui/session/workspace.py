@@ -316,10 +316,7 @@ class Workspace(Caching):
         return pictures, -1 if pictures is None else int(self.pictures.indices[recording][row])
 
     def show(
-        self,
-        opened: Opened,
-        pictures: RecordingPictures,
-        visible: RecordingPictures = NONE_VISIBLE,
+        self, opened: Opened, pictures: RecordingPictures, visible: RecordingPictures = NONE_VISIBLE
     ) -> Opened:
         """Switch to another comparison and its pictures, and return it."""
         self.forget()  # first, so that no job reads closed pictures

@@ -8,10 +8,7 @@ from typing import Final
 
 import streamlit
 from streamlit.web.server.server_util import allowlisted_origins
-from streamlit.web.server.starlette.starlette_websocket import (
-    _parse_subprotocols,
-    is_host_allowed,
-)
+from streamlit.web.server.starlette.starlette_websocket import _parse_subprotocols, is_host_allowed
 
 HEALTH: Final = "/_stcore/health"
 HOST_CONFIG: Final = "/_stcore/host-config"

@@ -127,10 +127,7 @@ def draw_steps(
         Width of the line: all of it ("stretch") or only the content.
     """
     with st.container(
-        horizontal=True,
-        horizontal_alignment="distribute",
-        vertical_alignment="center",
-        width=width,
+        horizontal=True, horizontal_alignment="distribute", vertical_alignment="center", width=width
     ):
         _step("Previous", "p", at - 1, n, step, key=key, icon=":material/chevron_left:")
         st.markdown(f"**{at + 1:,}** of {n:,}", width="content")
@@ -138,14 +135,7 @@ def draw_steps(
 
 
 def _step(
-    label: str,
-    shortcut: str,
-    at: int,
-    n: int,
-    step: Callable[[int], None],
-    *,
-    key: str,
-    icon: str,
+    label: str, shortcut: str, at: int, n: int, step: Callable[[int], None], *, key: str, icon: str
 ) -> None:
     st.button(
         label,

@@ -15,14 +15,7 @@ from ui.session import state, store
 from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.subject import all_sights
 from ui.widgets import drawing
-from ui.widgets.drawing import (
-    Look,
-    VisiblePictures,
-    cost_map_of,
-    keep_look,
-    look,
-    viewer_arguments,
-)
+from ui.widgets.drawing import Look, VisiblePictures, cost_map_of, keep_look, look, viewer_arguments
 from ui.widgets.text import plain
 from ui.widgets.viewer import ListedBox, settled_in, viewer
 

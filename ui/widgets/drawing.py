@@ -208,12 +208,7 @@ def thumbnail(what: Hashable, draw: Callable[[], bytes]) -> bytes:
 
 
 def part_of_frame(
-    result: Result,
-    row: int,
-    xywh: np.ndarray | None,
-    *,
-    labels: bool,
-    is_visible: bool = False,
+    result: Result, row: int, xywh: np.ndarray | None, *, labels: bool, is_visible: bool = False
 ) -> np.ndarray:
     """Return the part of a frame around a box (px), with the boxes of truth, X and Y.
 

@@ -102,18 +102,13 @@ def _summarise_alarms(
     at: SystemInputs, false_alarms: np.ndarray, episodes: pd.DataFrame
 ) -> FalseAlarmSummary:
     return summarise_false_alarms(
-        int(false_alarms.sum()),
-        episodes,
-        n_frames=len(at.frames),
-        duration_s=at.frames.duration_s,
+        int(false_alarms.sum()), episodes, n_frames=len(at.frames), duration_s=at.frames.duration_s
     )
 
 
 STEPS: Final[tuple[ScoringStep, ...]] = (
     ScoringStep(
-        "matches",
-        lambda at: match_system(at.dataset, at.name, at.threshold, at.params),
-        (MATCH,),
+        "matches", lambda at: match_system(at.dataset, at.name, at.threshold, at.params), (MATCH,)
     ),
     ScoringStep("is_counted", lambda _, matches: matches.is_counted, (MATCH,), ("matches",)),
     ScoringStep(

@@ -1,13 +1,7 @@
 """Study planning: required number of recordings, power, and non-inferiority."""
 
 from nvcore.evidence.planning.notes import notes_for_verdict, notes_of_plan
-from nvcore.evidence.planning.pilot import (
-    PLAN_KEYS,
-    Pilot,
-    judge_key,
-    make_pilot,
-    plan_key,
-)
+from nvcore.evidence.planning.pilot import PLAN_KEYS, Pilot, judge_key, make_pilot, plan_key
 from nvcore.evidence.planning.plan import (
     NonInferiority,
     Plan,

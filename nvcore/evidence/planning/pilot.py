@@ -122,11 +122,7 @@ def plan_key(name: str) -> str:
 
 
 def judge_key(
-    result: Result,
-    key: str,
-    *,
-    protocol: Protocol = PROTOCOLS["all"],
-    units: Units | None = None,
+    result: Result, key: str, *, protocol: Protocol = PROTOCOLS["all"], units: Units | None = None
 ) -> Evidence:
     """Return the row of the table of evidence for a measure of `PLAN_KEYS`, with uncorrected p."""
     units = find_units(result) if units is None else units
@@ -137,11 +133,7 @@ def judge_key(
 
 
 def make_pilot(
-    result: Result,
-    key: str,
-    *,
-    protocol: Protocol = PROTOCOLS["all"],
-    units: Units | None = None,
+    result: Result, key: str, *, protocol: Protocol = PROTOCOLS["all"], units: Units | None = None
 ) -> tuple[Pilot | None, str]:
     """Return the pilot for a measure of `PLAN_KEYS`, or None and the reason for having none.
 

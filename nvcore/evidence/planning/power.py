@@ -350,12 +350,7 @@ def count_noninferior(
 
 
 def find_length(
-    count: CountShown,
-    *,
-    guess: float,
-    least: int,
-    target: float,
-    progress: Progress = no_progress,
+    count: CountShown, *, guess: float, least: int, target: float, progress: Progress = no_progress
 ) -> StudyLength:
     """Find the smallest study size at which a share `target` of studies succeeds.
 

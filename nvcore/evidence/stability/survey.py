@@ -51,10 +51,7 @@ class SurveyRow:
 
 
 def survey_stability(
-    result: Result,
-    *,
-    executor: Executor | None = None,
-    progress: Progress = no_progress,
+    result: Result, *, executor: Executor | None = None, progress: Progress = no_progress
 ) -> tuple[SurveyRow, ...]:
     """Compute the map of each plane in `SURVEY_PLANES` by every criterion (`map_stability`)."""
     maps, rows = [*product(SURVEY_PLANES, CRITERIA)], []

@@ -41,13 +41,7 @@ _COUNTS: Final = ("n", "unit", "both", "x_only", "y_only", "neither")
 _FIRST: Final = ("factor", "group", "figure", "label", "better", *_COUNTS)
 _OTHERS: Final = [name for name in EVIDENCE_COLUMNS if name not in _FIRST]
 _ODDS: Final = _OTHERS.index("effect_name") + 1
-COLUMNS: Final = (
-    *_FIRST,
-    *_OTHERS[:_ODDS],
-    "odds_low",
-    "odds_high",
-    *_OTHERS[_ODDS:],
-)
+COLUMNS: Final = (*_FIRST, *_OTHERS[:_ODDS], "odds_low", "odds_high", *_OTHERS[_ODDS:])
 
 
 def subgroup_table(

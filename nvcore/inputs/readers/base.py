@@ -502,11 +502,7 @@ def concat_boxes(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
 
 
 def recordings_table(
-    names: Iterable[str],
-    *,
-    width: object = np.nan,
-    height: object = np.nan,
-    fps: object = np.nan,
+    names: Iterable[str], *, width: object = np.nan, height: object = np.nan, fps: object = np.nan
 ) -> pd.DataFrame:
     """Make a table of recordings, dropping duplicate names.
 

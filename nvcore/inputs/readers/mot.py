@@ -106,9 +106,7 @@ def read(
     files = [file for file in files if not is_class_file(file.name)] or files
     infos = [sequence_info(file) for file in files]
     names, assumed = recordings_of(
-        [file.name for file in files],
-        options.recordings,
-        stated=[info.name for info in infos],
+        [file.name for file in files], options.recordings, stated=[info.name for info in infos]
     )
     parts = [
         _read_one(file, number, name, options, has_late_score=has_late_score)

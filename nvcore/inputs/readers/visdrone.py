@@ -10,19 +10,8 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.inputs.readers.base import (
-    BOTH_ROLES,
-    Format,
-    Reading,
-    ReadOptions,
-    Role,
-    SourceFile,
-)
-from nvcore.inputs.readers.meaning.classes import (
-    ClassNames,
-    NumberedRows,
-    choose_categories,
-)
+from nvcore.inputs.readers.base import BOTH_ROLES, Format, Reading, ReadOptions, Role, SourceFile
+from nvcore.inputs.readers.meaning.classes import ClassNames, NumberedRows, choose_categories
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.values import levels_of_numbers
 from nvcore.inputs.readers.parse.rows import choice_of_rows, rows_reading
@@ -82,8 +71,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     *box, score, kind, _, occlusion = table.columns[:8]
     numbered = NumberedRows.of(whole_numbers(kind, table.lines, "class number"))
     choice = choice_of_rows(
-        numbered,
-        choose_categories(numbered.counts, ClassNames(NAMES), options, file=files[0].name),
+        numbered, choose_categories(numbered.counts, ClassNames(NAMES), options, file=files[0].name)
     )
     is_truth = options.role == "truth"
     facts = [

@@ -22,11 +22,7 @@ from nvcore.inputs.readers.base import (
     object_array,
     rows_finding,
 )
-from nvcore.inputs.readers.meaning.classes import (
-    choose_classes,
-    concerns_objects,
-    rule_for,
-)
+from nvcore.inputs.readers.meaning.classes import choose_classes, concerns_objects, rule_for
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.values import levels_of_numbers, recordings_with_sizes
 from nvcore.inputs.readers.parse.rows import rows_reading

@@ -102,8 +102,7 @@ def read_recordings_file(path: Path, name: str) -> dict[str, tuple[int, Recordin
     numbers = {of: table.numbers(of, may_be_empty=True) for of in NUMBERS if of in table}
     first = numbers.get("first_picture", np.empty(0))
     table.refuse(
-        (first % 1) > 0,
-        lambda row: f"first_picture: expected a whole number, found {first[row]:g}",
+        (first % 1) > 0, lambda row: f"first_picture: expected a whole number, found {first[row]:g}"
     )
     entries: dict[str, tuple[int, RecordingEntry]] = {}
     for row, recording in enumerate(names):

@@ -289,10 +289,7 @@ def detection_curve(
 
 
 def detection_outcomes(
-    dataset: Dataset,
-    system: str,
-    params: Params,
-    protocol: Protocol = PROTOCOLS["all"],
+    dataset: Dataset, system: str, params: Params, protocol: Protocol = PROTOCOLS["all"]
 ) -> Outcomes:
     """Return the outcome of each detection at the lowest threshold, for resampling recordings.
 

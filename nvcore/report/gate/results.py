@@ -11,11 +11,7 @@ from nvcore.common.findings import Finding
 from nvcore.common.wording import markdown_text, one_line
 from nvcore.comparison.measures.table import MEASURES
 from nvcore.report.gate.added import added_rules
-from nvcore.report.gate.measures import (
-    COUNTED_CLAIMS,
-    COUNTED_ENCOUNTERS,
-    COUNTED_FINDINGS,
-)
+from nvcore.report.gate.measures import COUNTED_CLAIMS, COUNTED_ENCOUNTERS, COUNTED_FINDINGS
 from nvcore.report.gate.outcomes import RuleOutcome, value_text
 from nvcore.report.gate.rules import Rule
 from nvcore.report.terminal import render_findings

@@ -203,19 +203,10 @@ def saliency_section(result: Result) -> Section:
 def false_alerts_section(result: Result) -> Section:
     """Return the section on both systems' false alarms and the episodes that they form."""
     introduction = about(
-        "sections.false_alerts",
-        result,
-        link_iou=LINK_IOU,
-        link_gap=LINK_GAP,
-        absorbed=ABSORB_SHARE,
+        "sections.false_alerts", result, link_iou=LINK_IOU, link_gap=LINK_GAP, absorbed=ABSORB_SHARE
     )
     rows = score_cells(score_rows(result, MeasureTable.FALSE_ALERTS), indent=PART)
-    columns: Columns = {
-        **_PLACE,
-        "Frames": _frames,
-        **_SPAN,
-        "Boxes": ("n_boxes", "d"),
-    }
+    columns: Columns = {**_PLACE, "Frames": _frames, **_SPAN, "Boxes": ("n_boxes", "d")}
     blocks: tuple[Block, ...] = (
         table("False alarms and episodes", MEASURES_HEAD, rows, right=(1, 2, 3)),
         listing("The longest episodes", _longest_episodes(result), columns),

@@ -206,10 +206,7 @@ def verdict(
             Point(HOW_SURE, points.probability(result, companions)),
             Point(
                 "Encounters",
-                (
-                    *points.encounters(result, tested, support),
-                    *points.unlisted(result, findings),
-                ),
+                (*points.encounters(result, tested, support), *points.unlisted(result, findings)),
             ),
             Point("Severity", points.weights(result)),
             Point("Other measures", points.measures(result, evidence)),

@@ -21,10 +21,7 @@ from nvcore.report.remarks import all_remarks
 
 
 def headline(
-    result: Result,
-    evidence: pd.DataFrame | None,
-    companions: Companions | None,
-    support: Support,
+    result: Result, evidence: pd.DataFrame | None, companions: Companions | None, support: Support
 ) -> Note:
     """Return the claim with its reason, or why nothing is claimed.
 
@@ -48,10 +45,7 @@ def headline(
 
 
 def _conclusion(
-    result: Result,
-    evidence: pd.DataFrame | None,
-    companions: Companions | None,
-    support: Support,
+    result: Result, evidence: pd.DataFrame | None, companions: Companions | None, support: Support
 ) -> Note:
     if evidence is None:
         return Note("verdict.untested")

@@ -91,10 +91,7 @@ class SaliencySettings:
     saliency_of: SaliencyOf = setting(
         EVENTS,
         "most_salient",
-        words={
-            "most_salient": "the most salient miss of a frame",
-            "each": "each missed {one}",
-        },
+        words={"most_salient": "the most salient miss of a frame", "each": "each missed {one}"},
         label="Events are of",
         meaning="Whose misses make saliency events: of the most salient {one} of each frame "
         "alone (most_salient, the paper), or of each {one} (each), so that two {who} are missed "

@@ -165,11 +165,7 @@ def _flagged(files: Mapping[int, SourceFile]) -> np.ndarray:
 
 
 def _read_log(
-    file: SourceFile,
-    dataset: Dataset,
-    session: Session,
-    own: Mapping[int, SourceFile],
-    system: str,
+    file: SourceFile, dataset: Dataset, session: Session, own: Mapping[int, SourceFile], system: str
 ) -> AlertLog:
     """Read the log that a session names: a table of alerts, or a file of the system with flags.
 

@@ -12,16 +12,7 @@ from nvcore.common.wording import aligned, number, one_line
 from nvcore.comparison.compare import Result
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.notes import say
-from nvcore.report.section import (
-    Block,
-    Chart,
-    Paragraphs,
-    Section,
-    SectionOf,
-    about,
-    table,
-    worded,
-)
+from nvcore.report.section import Block, Chart, Paragraphs, Section, SectionOf, about, table, worded
 from nvcore.report.sections.encounters import by_class
 from nvcore.report.terminal import block_lines
 from nvcore.report.verdict import PointOf

@@ -14,10 +14,7 @@ class Detectors(subject.Subject):
     formats: ClassVar = {
         "nvcore-icf": "a detector of pedestrians or signs, which nvcore detect takes"
     }
-    extras: ClassVar = {
-        "detectors": ("av", "cv2"),
-        "onnx": ("av", "cv2", "google", "onnxruntime"),
-    }
+    extras: ClassVar = {"detectors": ("av", "cv2"), "onnx": ("av", "cv2", "google", "onnxruntime")}
 
     def checks(self) -> subject.AddedChecks:
         from nvcore.subjects.detectors.findings import CAVEATS, audit_provenance

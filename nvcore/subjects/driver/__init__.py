@@ -15,7 +15,7 @@ class Driver(subject.Subject):
         "nvcore.subjects.driver.calls.python": (
             *("driver_features", "estimate_driver", "evaluate_driver", "image_features"),
             "train_driver",
-        ),
+        )
     }
     formats: ClassVar = {
         "nvcore-driver": "an estimator of what the driver sees, which nvcore driver estimate takes"

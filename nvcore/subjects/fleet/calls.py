@@ -88,10 +88,7 @@ class ScanArguments:
     )
     engine: Engine | None = None
     retry: bool = argument(
-        RUN,
-        "Try again the recordings that are in quarantine.",
-        default=False,
-        is_flag=True,
+        RUN, "Try again the recordings that are in quarantine.", default=False, is_flag=True
     )
     recompute: bool = argument(
         RUN,

@@ -17,13 +17,7 @@ from urllib.parse import urlencode
 import click
 
 from nvcore.cli.app import serve
-from nvcore.cli.options import (
-    command,
-    grouped_option,
-    input_flags,
-    options_of,
-    parameter_options,
-)
+from nvcore.cli.options import command, grouped_option, input_flags, options_of, parameter_options
 from nvcore.cli.program import EXIT_BAD_INPUT, program
 from nvcore.cli.progress import ShareProgress, step_lines
 from nvcore.cli.session_options import session_from
@@ -75,10 +69,7 @@ STORE: Final = "Store"
     "the store has it, else annotated.",
 )
 @grouped_option(
-    STORE,
-    "--newest",
-    is_flag=True,
-    help="Make versions that the store has the newest again.",
+    STORE, "--newest", is_flag=True, help="Make versions that the store has the newest again."
 )
 @input_flags
 def ingest(

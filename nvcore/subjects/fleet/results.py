@@ -58,11 +58,7 @@ _SUMMED: Final = {
     key: inference_of(key) for key in EVIDENCE_KEYS if inference_of(key).test == "units"
 }
 """Measures whose summands have a column of recordings, ``sum_`` and the key."""
-_SPANS: Final = {
-    "events": events_table,
-    "intervals": intervals_table,
-    "episodes": episodes_table,
-}
+_SPANS: Final = {"events": events_table, "intervals": intervals_table, "episodes": episodes_table}
 """Tables of results that list X before Y, not by recording."""
 _COMPARING: Final = "aspect_z"
 """Column of encounters that compares recordings, so that no scan has it."""

@@ -35,12 +35,7 @@ from typing import Any, ClassVar, Final, Generic, NamedTuple, TypeVar
 from nvcore.common.errors import InputError, StoreError
 from nvcore.common.wording import fold_name
 from nvcore.subjects.people.form import check_answers
-from nvcore.subjects.people.participants import (
-    MOST_NAME,
-    draw_code,
-    draw_pseudonym,
-    hash_code,
-)
+from nvcore.subjects.people.participants import MOST_NAME, draw_code, draw_pseudonym, hash_code
 
 WAIT_S: Final = 10.0
 """Timeout of a write that waits for another one, s."""
@@ -274,12 +269,7 @@ class StudyStore(Generic[S]):
         return self.study_of(row | {of: datetime.fromisoformat(times[of]) for of in times})
 
     def join(
-        self,
-        study: S,
-        answers: Mapping[str, str],
-        *,
-        name: str = "",
-        now: datetime | None = None,
+        self, study: S, answers: Mapping[str, str], *, name: str = "", now: datetime | None = None
     ) -> tuple[Person, str]:
         """Add a participant who agrees to the terms, and return them with their personal code.
 

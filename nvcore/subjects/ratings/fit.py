@@ -100,12 +100,7 @@ class Fit:
     reason: str
 
 
-def fit_saliency(
-    result: Result,
-    clips: pd.DataFrame,
-    *,
-    progress: Progress = no_progress,
-) -> Fit:
+def fit_saliency(result: Result, clips: pd.DataFrame, *, progress: Progress = no_progress) -> Fit:
     """Fit tolerance, events, their weight, recency, aggregate and sigmoid to the ratings.
 
     Every combination of the values above is tried. Each pair of clips is judged by the one that

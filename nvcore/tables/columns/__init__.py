@@ -118,11 +118,7 @@ _EVENTS = (
     Column("track", _INTEGER, "", "Track of the missed {one}, as in `encounters.csv`."),
     *_SPAN,
     Column(
-        "relevant_s",
-        _NUMBER,
-        "s",
-        "Of these, time in which the {one} counts (k >= 0.5).",
-        "low",
+        "relevant_s", _NUMBER, "s", "Of these, time in which the {one} counts (k >= 0.5).", "low"
     ),
     Column(
         "weight_s",
@@ -243,10 +239,7 @@ _FINDING_ENTRIES = (
 )
 
 _TABLES: Final[dict[str, tuple[str, tuple[Column, ...]]]] = {
-    "frames.csv": (
-        "evaluated frames: counts, distances and similarity of each",
-        _FRAMES,
-    ),
+    "frames.csv": ("evaluated frames: counts, distances and similarity of each", _FRAMES),
     "encounters.csv": (
         "encounters: who detected the {one}, how each system failed, when",
         ENCOUNTER_COLUMNS,
@@ -254,20 +247,11 @@ _TABLES: Final[dict[str, tuple[str, tuple[Column, ...]]]] = {
     "events.csv": ("saliency events of X and Y", _EVENTS),
     "intervals.csv": ("low-similarity intervals of X and Y", _INTERVALS),
     "recordings.csv": ("recordings, with all aggregates", _RECORDINGS),
-    "significance.csv": (
-        "measures with interval and p of their difference",
-        SIGNIFICANCE_COLUMNS,
-    ),
+    "significance.csv": ("measures with interval and p of their difference", SIGNIFICANCE_COLUMNS),
     "subgroups.csv": ("groups of encounters, such as near and far", SUBGROUP_COLUMNS),
     "findings.csv": ("findings of the audit of the inputs", _FINDINGS),
-    "finding_entries.csv": (
-        "boxes, frames and rows that the findings concern",
-        _FINDING_ENTRIES,
-    ),
-    "classes.csv": (
-        "matches by the class of the truth and the one that was read",
-        CLASS_COLUMNS,
-    ),
+    "finding_entries.csv": ("boxes, frames and rows that the findings concern", _FINDING_ENTRIES),
+    "classes.csv": ("matches by the class of the truth and the one that was read", CLASS_COLUMNS),
     "codes.csv": ("stretches of recordings with a code", _CODES),
 }
 """Rows and columns of the core's own tables."""

@@ -24,10 +24,7 @@ ENCOUNTER_COLUMNS: Final[tuple[Column, ...]] = (
     Column("last_frame", _INTEGER, "", "Last evaluated frame in which it is annotated."),
     Column("n_relevant", _INTEGER, "frames", "Frames that count: it is near enough, k >= 0.5."),
     Column(
-        "category",
-        _TEXT,
-        "",
-        "Who detected it: `both`, `x_only`, `y_only`, `neither`, `distant`.",
+        "category", _TEXT, "", "Who detected it: `both`, `x_only`, `y_only`, `neither`, `distant`."
     ),
     *of_both(
         Column("matched", _INTEGER, "frames", "Frames that count in which it was matched.", "high"),

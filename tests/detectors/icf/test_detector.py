@@ -30,10 +30,7 @@ def windows_in(settings, width: int, height: int) -> int:
 @pytest.mark.parametrize("stride", range(1, 11))
 @pytest.mark.parametrize(
     ("side", "scales", "size", "published"),
-    [
-        (64, AS_IN_REPORT.scales, (1360, 800), OF_SIGNS),
-        (30, SCALES_OF_HEADS, (640, 480), OF_HEADS),
-    ],
+    [(64, AS_IN_REPORT.scales, (1360, 800), OF_SIGNS), (30, SCALES_OF_HEADS, (640, 480), OF_HEADS)],
 )
 def test_windows_are_the_published_ones_and_counted_whole(side, scales, size, published, stride):
     area = WindowGrid(side, side, stride, scales, count="area").per_image(*size)

@@ -69,9 +69,7 @@ def test_a_track_of_crops_is_on_one_side(crops: Path):
     assert {sum(out[i : i + 3]) for i in range(0, 12, 3)} == {0, 3}
 
 
-def test_crops_that_are_all_named_as_of_one_object_are_refused_before_they_are_read(
-    tmp_path: Path,
-):
+def test_crops_that_are_all_named_as_of_one_object_are_refused_before_they_are_read(tmp_path: Path):
     folder = tmp_path / "crops"
     folder.mkdir()
     for i in range(3):

@@ -8,13 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from driver_trials import (
-    CHOSEN,
-    PERIODS_S,
-    made_features,
-    made_table,
-    true_detectability,
-)
+from driver_trials import CHOSEN, PERIODS_S, made_features, made_table, true_detectability
 
 from nvcore.common.errors import InputError, ParameterError
 from nvcore.notes import Note
@@ -124,9 +118,7 @@ def test_a_pedestrian_left_out_has_no_part_in_their_own_estimate(table: Training
         assert not np.array_equal(getattr(first, name)[others], getattr(second, name)[others])
 
 
-def test_whoever_is_left_out_with_a_pedestrian_learns_nothing_of_his_features(
-    table: TrainingTable,
-):
+def test_whoever_is_left_out_with_a_pedestrian_learns_nothing_of_his_features(table: TrainingTable):
     """Neither choice nor scaling has seen them."""
     search = Search(n_settings=1, n_folds=2)
     samples = samples_of(table)
@@ -162,17 +154,11 @@ def test_a_fold_that_leaves_too_little_at_a_period_is_refused(
     expected = rf"trials\.csv: at the period of 3 s {words} left to learn from .* 2 are needed"
     with pytest.raises(InputError, match=expected):
         out_of_fold(
-            part,
-            fold[rows],
-            Search(n_settings=1, n_folds=2),
-            n_threads=1,
-            progress=lambda *_: None,
+            part, fold[rows], Search(n_settings=1, n_folds=2), n_threads=1, progress=lambda *_: None
         )
 
 
-def test_the_same_table_and_seed_give_the_same_model_on_any_number_of_threads(
-    table: TrainingTable,
-):
+def test_the_same_table_and_seed_give_the_same_model_on_any_number_of_threads(table: TrainingTable):
     quick = Search(n_settings=1, n_folds=2)
     models = [
         to_bytes(train_estimator(table, name="a", search=search, n_threads=n).estimator)

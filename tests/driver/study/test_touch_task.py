@@ -85,10 +85,7 @@ def test_the_trials_are_a_table_with_the_columns_of_the_driver(store, study):
     store.note_showing(study, person.name, 3)
     store.note_showing(study, person.name, 3)
     store.answer(
-        study,
-        person.name,
-        3,
-        Answer(measured_s=third.adaptation_s, shown_s=0.5, is_answered=False),
+        study, person.name, 3, Answer(measured_s=third.adaptation_s, shown_s=0.5, is_answered=False)
     )
     unreported = {**vars(SEEN), "measured_s": person.plan[3].adaptation_s}
     store.answer(study, person.name, 4, Answer(**unreported))

@@ -170,10 +170,7 @@ def open_chromium() -> Iterator[BrowserContext]:
     A test that needs it fails where it is missing.
     """
     if not CHROMIUM.exists():
-        pytest.fail(
-            f"{CHROMIUM} is missing: install it, or set NVCORE_CHROMIUM",
-            pytrace=False,
-        )
+        pytest.fail(f"{CHROMIUM} is missing: install it, or set NVCORE_CHROMIUM", pytrace=False)
     flags = [*FLAGS, f"--disable-features={','.join(FEATURES_OFF)}"]
     with sync_playwright() as playwright:
         chromium = playwright.chromium.launch_persistent_context(

@@ -7,9 +7,7 @@ from collections import Counter
 
 from app_server import ROOT
 
-OURS = {
-    *("open_page", "open_frame", "open_row", "open_encounter", "ask_for_page"),
-}
+OURS = {*("open_page", "open_frame", "open_row", "open_encounter", "ask_for_page")}
 STREAMLITS = {"switch_page", "page_link"}
 WAYS = ("ui/shell/navigate.py", "ui/subjects/time_left/listed.py")
 """They are made of one another here."""

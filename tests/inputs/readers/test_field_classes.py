@@ -191,10 +191,7 @@ def test_a_child_beside_pedestrians_is_ignored_and_a_finding_offers_to_count_it(
     dataset = load(session_of(tmp_path, ".json"))
     assert found(nv.compare(dataset))["false_alarms"] == RIGHT["false_alarms"]
     finding = next(finding for finding in nv.audit(dataset) if finding.code == "other-kinds")
-    assert (finding.count, finding.steps) == (
-        30,
-        (Step(Remedy.CLASSES, "person,child", "truth"),),
-    )
+    assert (finding.count, finding.steps) == (30, (Step(Remedy.CLASSES, "person,child", "truth"),))
     assert compared(session_of(tmp_path, ".json", truth=("person", "child"))) == RIGHT
 
 

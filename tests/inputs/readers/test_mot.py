@@ -151,12 +151,7 @@ def test_classes_without_a_class_column_are_answered_in_the_conversion(tmp_path)
 @pytest.mark.parametrize(
     ("text", "role", "code", "example"),
     [
-        (
-            "1,1,1,1,9,9,1,1,1\n2,1,1,1,9,9,1,99,1\n",
-            "truth",
-            "unknown-class",
-            "line 2: 99",
-        ),
+        ("1,1,1,1,9,9,1,1,1\n2,1,1,1,9,9,1,99,1\n", "truth", "unknown-class", "line 2: 99"),
         ("0,1,1,1,9,9,1\n", "detections", "frame-before-first", "line 1: frame 0"),
         ("1,1,1,1,9,9,85,-1,-1,-1\n2,1,1,1,9,9,1\n", "truth", "truth-with-scores", "line 1: 85"),
         ("1,-1,1,1,5,5,0.83\n2,-1,1,1,5,5,1\n", "truth", "truth-with-scores", "line 1: 0.83"),

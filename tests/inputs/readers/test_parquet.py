@@ -131,15 +131,9 @@ def test_scores_and_an_empty_table_are_read_as_detections(tmp_path: Path):
         ({"frame": [1, None]}, "row 1: expected a whole number as frame, found nan"),
         ({"frame": [1.5, 2]}, "row 0: expected a whole number as frame, found 1.5"),
         ({"x": ["1", "wide"]}, "row 1: expected a number as x, found 'wide'"),
-        (
-            {"ignore": ["0", "maybe"]},
-            "row 1: expected 0, 1, true or false as ignore",
-        ),
+        ({"ignore": ["0", "maybe"]}, "row 1: expected 0, 1, true or false as ignore"),
         ({"recording": ["a", None]}, "row 1: expected the name of a recording, found an empty"),
-        (
-            {"x": [[1.0], [2.0]]},
-            "numbers or text in column x, found list<element: double>",
-        ),
+        ({"x": [[1.0], [2.0]]}, "numbers or text in column x, found list<element: double>"),
         ({"x": [{"a": 1}, {"a": 2}]}, "expected numbers or text in column x, found struct<"),
         ({"frame": pa.array([1, 2], pa.timestamp("s"))}, "in column frame, found timestamp[ms]"),
         ({"x": pa.array([b"1", b"2"])}, "in column x, found binary"),

@@ -151,10 +151,7 @@ def test_what_is_wrong_is_named_with_its_line(tmp_path: Path, text: str, message
 
 @pytest.mark.parametrize(
     ("name", "message"),
-    [
-        ("left.txt", r"left\.txt: .*frame number"),
-        ("classes.txt", "one text file per picture"),
-    ],
+    [("left.txt", r"left\.txt: .*frame number"), ("classes.txt", "one text file per picture")],
 )
 def test_files_that_belong_to_no_picture_are_an_error(
     tmp_path: Path, name: str, message: str

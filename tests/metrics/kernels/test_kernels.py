@@ -24,10 +24,7 @@ def spans(lo: int, hi: int, n: int) -> tuple[int, int, int]:
     ],
 )
 def test_many_frames_run_in_as_many_pieces_as_there_are_threads(
-    threads: str,
-    n_frames: int,
-    pieces: list[tuple[int, int]],
-    monkeypatch: pytest.MonkeyPatch,
+    threads: str, n_frames: int, pieces: list[tuple[int, int]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(kernels, "MIN_PER_THREAD", 2)
     monkeypatch.setenv("OMP_NUM_THREADS", threads)

@@ -5,17 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from data_page import (
-    Edit,
-    answer,
-    opened,
-    opened_drive,
-    press,
-    send,
-    sent,
-    sent_drive,
-    space_of,
-)
+from data_page import Edit, answer, opened, opened_drive, press, send, sent, sent_drive, space_of
 from inputs import drive, write
 from streamlit.testing.v1 import AppTest
 

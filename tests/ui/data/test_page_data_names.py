@@ -9,14 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from builders import Place, make_dataset, tagged
-from data_page import (
-    Edit,
-    opened,
-    press_labelled,
-    recordings_of,
-    sizes_of,
-    space_of,
-)
+from data_page import Edit, opened, press_labelled, recordings_of, sizes_of, space_of
 
 from nvcore.common.errors import InputError
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource

@@ -14,10 +14,7 @@ MOT_DETECTIONS = b"1,-1,9,9,40,90,0.91,-1,-1,-1\n2,-1,9,9,40,90,0.42,-1,-1,-1\n"
 
 @pytest.mark.parametrize(
     ("truth", "words"),
-    [
-        (SCORED, "3 of its rows have a score"),
-        (MOT_DETECTIONS, "2 of its rows have a score"),
-    ],
+    [(SCORED, "3 of its rows have a score"), (MOT_DETECTIONS, "2 of its rows have a score")],
 )
 def test_detections_as_ground_truth_are_said_at_the_field(truth: bytes, words: str):
     page = sent(truth)

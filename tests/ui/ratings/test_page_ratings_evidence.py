@@ -4,16 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 import pytest
-from ratings_page import (
-    SIMULATED,
-    from_file,
-    keys,
-    metrics,
-    opened,
-    table,
-    warnings,
-    words,
-)
+from ratings_page import SIMULATED, from_file, keys, metrics, opened, table, warnings, words
 from streamlit.testing.v1 import AppTest
 
 from pages import checked, press

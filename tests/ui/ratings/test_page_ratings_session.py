@@ -8,16 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from ratings_page import (
-    keys,
-    metrics,
-    only,
-    opened,
-    show_source,
-    table,
-    warnings,
-    words,
-)
+from ratings_page import keys, metrics, only, opened, show_source, table, warnings, words
 from streamlit.testing.v1 import AppTest
 
 from nvcore.common.output.csv_text import to_csv_bytes
@@ -77,9 +68,7 @@ def begun(
     return study
 
 
-def test_a_rating_session_has_an_address_for_each_side_and_opens_again_by_it(
-    store: RatingStore,
-):
+def test_a_rating_session_has_an_address_for_each_side_and_opens_again_by_it(store: RatingStore):
     page = conducting(threshold_x="0.7")
     page.multiselect(key="rating_recordings").set_value([]).run()
     assert "needs 1 to 500 clips" in words(press(page, "rating_start"))

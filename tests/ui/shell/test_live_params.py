@@ -149,9 +149,7 @@ def test_a_threshold_does_not_stick_to_a_system_without_scores_that_differ(
     assert "30 of 30" in page.table[0].value["Detections kept"].tolist()
 
 
-def test_whatever_cuts_off_the_opening_of_a_session_leaves_the_app_alive(
-    tmp_path: Path,
-):
+def test_whatever_cuts_off_the_opening_of_a_session_leaves_the_app_alive(tmp_path: Path):
     """The new data are in, and the run that would have reset place and parameters never ended."""
     page = sidebar(recording="winter_frost", alpha="0.3")
     other = write(tmp_path, {"one": CONSTANT, "two": CONSTANT}, truth=rows(300))

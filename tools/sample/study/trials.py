@@ -71,9 +71,7 @@ def subjects() -> list[Subject]:
 
 
 def truth_rows(
-    image: str,
-    box: tuple[float, float, float, float],
-    pictures: tuple[np.ndarray, np.ndarray],
+    image: str, box: tuple[float, float, float, float], pictures: tuple[np.ndarray, np.ndarray]
 ) -> pd.DataFrame:
     """Return the observer model's values for one picture, a row per period.
 

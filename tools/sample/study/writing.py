@@ -7,14 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from nvcore.common.progress import Progress, no_progress
-from tools.sample.study.scenes import (
-    BOXES_FILE,
-    FOLDER,
-    N_PICTURES,
-    all_scenes,
-    boxes_table,
-    jpeg,
-)
+from tools.sample.study.scenes import BOXES_FILE, FOLDER, N_PICTURES, all_scenes, boxes_table, jpeg
 from tools.sample.study.trials import (
     TRIALS_FILE,
     TRUTH_FILE,

@@ -120,11 +120,7 @@ def _lamps(stage: Stage, car: Car, near: float) -> list[Face]:
             [car.x + side * (car.width_m / 2 - 0.24), min(0.56 * car.height_m, 0.95) - 0.1]
         )
         lamp = np.stack(
-            [
-                middle[0] + 0.18 * np.cos(_TURN),
-                middle[1] + 0.09 * np.sin(_TURN),
-                np.full(20, near),
-            ],
+            [middle[0] + 0.18 * np.cos(_TURN), middle[1] + 0.09 * np.sin(_TURN), np.full(20, near)],
             axis=1,
         )
         back = stage.lights.headlamps(lamp.mean(axis=0)[None, :], TO_CAMERA)[0]

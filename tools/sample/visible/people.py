@@ -52,11 +52,7 @@ def draw_person(stage: Stage, person: Person, wears: Outfit, body: Floats) -> No
 
 
 def _limbs(
-    stage: Stage,
-    person: Person,
-    wears: Outfit,
-    body: Floats,
-    image: tuple[Floats, Floats, Floats],
+    stage: Stage, person: Person, wears: Outfit, body: Floats, image: tuple[Floats, Floats, Floats]
 ) -> list[tuple[float, Shape]]:
     pixels, depth, scale = image
     away = float(body[8, 2] + body[12, 2] - body[7, 2] - body[11, 2]) > 0.05

@@ -67,11 +67,7 @@ def visible_pictures(
 
 
 def _stand(
-    stage: Stage,
-    recording: Recording,
-    outfits: Sequence[Outfit],
-    bodies: list[Floats],
-    frame: int,
+    stage: Stage, recording: Recording, outfits: Sequence[Outfit], bodies: list[Floats], frame: int
 ) -> None:
     """Paint everything that stands on the ground, far objects first."""
     way = stage.lights.way

@@ -51,10 +51,7 @@ class Stage:
         corners = np.concatenate([face for face, _ in faces])
         depth = float(np.clip(corners[:, 2].mean(), 1.0, _FAR_M))
         self.easel.paint(
-            shapes,
-            soften=soften,
-            shading=self._on_plane(corners[0], normal),
-            veil=self.veil(depth),
+            shapes, soften=soften, shading=self._on_plane(corners[0], normal), veil=self.veil(depth)
         )
 
     def lit(

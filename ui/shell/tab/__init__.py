@@ -45,10 +45,7 @@ def draw_memory() -> None:
         key=KEY,
         on_claim_change=_claim,
         height=1,
-        data={
-            "token": state.workspace().token,
-            "is_settled": store.TAB_IS_SETTLED.get(),
-        },
+        data={"token": state.workspace().token, "is_settled": store.TAB_IS_SETTLED.get()},
     )
     _HISTORY(key="history", height=1, data={"start": START})
 

@@ -94,12 +94,7 @@ def draw(result: Result) -> None:
 
 @st.fragment
 def draw_beside_viewer(
-    result: Result,
-    table: pd.DataFrame,
-    columns: Mapping[str, TableColumn],
-    *,
-    key: str,
-    name: str,
+    result: Result, table: pd.DataFrame, columns: Mapping[str, TableColumn], *, key: str, name: str
 ) -> None:
     """Draw a table beside the viewer. The viewer shows the selected row.
 

@@ -73,11 +73,7 @@ def _draw_settings(spec: DetectorSpec, about: About) -> DetectorSpec:
 def _draw_setting(name: str, facts: SettingFacts, own: Setting, *, key: str) -> Setting:
     """The field of one setting; its value."""
     words = capitalised(name.replace("_", " "))
-    more: dict[str, Any] = {
-        "key": key,
-        "help": plain(facts.meaning),
-        "persist_state": "session",
-    }
+    more: dict[str, Any] = {"key": key, "help": plain(facts.meaning), "persist_state": "session"}
     value: Setting
     if facts.choices:
         choices = dict(facts.choices)

@@ -36,12 +36,7 @@ from ui.widgets.buttons import button, download
 from ui.widgets.text import docs_link, plain
 
 RUN: Final = PageRun[WrittenRun](
-    "detector_run",
-    "run",
-    "Running {title}",
-    folder="detector",
-    outlasts=True,
-    has_time_left=True,
+    "detector_run", "run", "Running {title}", folder="detector", outlasts=True, has_time_left=True
 )
 TIMING: Final = PageRun[Expectation]("detector_timing", "estimate", "Timing it")
 HEADER: Final = "Run it over the recordings"

@@ -20,13 +20,7 @@ from nvcore.subjects.driver.inputs.record import EstimateRecord
 from nvcore.subjects.driver.inputs.session import DriverTable
 from nvcore.subjects.driver.running.writing import WrittenEstimates, write_estimates
 from ui.jobs.background import BackgroundJob, JobState
-from ui.jobs.page_run import (
-    Aside,
-    PageRun,
-    dataset_of,
-    named_in,
-    open_written,
-)
+from ui.jobs.page_run import Aside, PageRun, dataset_of, named_in, open_written
 from ui.jobs.progress import draw_job_aside
 from ui.session import state
 from ui.session.uploads import ANNOTATION_FOLDERS, check_room, count_folder, remove_folder

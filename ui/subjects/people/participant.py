@@ -107,10 +107,7 @@ def _thank(studies: Studies[S, B], study: S, person: Person) -> None:
 def _offer_back(studies: Studies[S, B], study: S) -> None:
     """Draw the button back to the conductor's page, if this browser session conducts the study."""
     if studies.is_own(study) and button(
-        studies.back,
-        key=f"{studies.prefix}_back",
-        type="tertiary",
-        icon=":material/arrow_back:",
+        studies.back, key=f"{studies.prefix}_back", type="tertiary", icon=":material/arrow_back:"
     ):
         st.query_params.clear()
         studies.conduct(study)

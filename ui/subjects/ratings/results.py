@@ -186,8 +186,7 @@ def _cautions(
         )
     if applied_fit.of_simulated(result, rating_source):
         st.warning(
-            "The settings in use were fitted to **simulated ratings**.",
-            icon=":material/science:",
+            "The settings in use were fitted to **simulated ratings**.", icon=":material/science:"
         )
     if n_people == 1:
         st.warning(

@@ -144,9 +144,4 @@ def _threshold(value: float | None) -> str:
     return "every detection" if value is None else plain(f"{value:.4g}")
 
 
-READERS: Final = {
-    SIMULATED: _simulated,
-    FILE: _file,
-    TYPED: typed.typed,
-    SESSION: _session,
-}
+READERS: Final = {SIMULATED: _simulated, FILE: _file, TYPED: typed.typed, SESSION: _session}

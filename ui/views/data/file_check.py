@@ -114,11 +114,7 @@ def check_cache() -> Caching:
 
 @st.spinner("Reading the files")
 def _check(
-    source: Source,
-    role: Role,
-    folder: Path,
-    known: Reading | None,
-    objects: Objects,
+    source: Source, role: Role, folder: Path, known: Reading | None, objects: Objects
 ) -> FileCheck:
     name = ""
     try:
@@ -127,12 +123,7 @@ def _check(
         if role == "detections" and known is None:  # some formats cannot be read without it
             return FileCheck(format=name, summary=title)
         reading = read_confined(
-            source,
-            role=role,
-            folder=folder,
-            size=_size(known),
-            truth=known,
-            objects=objects,
+            source, role=role, folder=folder, size=_size(known), truth=known, objects=objects
         )
     except MissingFactError as error:
         if not error.facts:

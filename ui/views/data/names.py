@@ -59,11 +59,7 @@ def draw_name(label: str, proposed: str, *, key: str, changed: Callable[[], None
 
 
 def draw_recording(
-    recordings: Sequence[str],
-    pictures: Iterable[str],
-    *,
-    place: str,
-    changed: Callable[[], None],
+    recordings: Sequence[str], pictures: Iterable[str], *, place: str, changed: Callable[[], None]
 ) -> str:
     """Draw the field for the name of the only recording. Return "" for none or several.
 

@@ -32,8 +32,7 @@ MISSING_WORDS: Final = {
 }
 """Missing facts of a `MissingFactError` in words."""
 _TO_TOP = st.components.v2.component(
-    "nvcore_to_top",
-    js=read_script(Path(__file__).with_name("to_top.js")),
+    "nvcore_to_top", js=read_script(Path(__file__).with_name("to_top.js"))
 )
 """Component that scrolls to the top, since the buttons that open something are far below."""
 

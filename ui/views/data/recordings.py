@@ -433,10 +433,7 @@ def draw_systems() -> None:
     with st.form(f"system_names_{version}", border=False):
         typed = [
             st.text_input(
-                f"Name of {plain(name)}",
-                name,
-                max_chars=200,
-                key=f"system_name_{version}_{i}",
+                f"Name of {plain(name)}", name, max_chars=200, key=f"system_name_{version}_{i}"
             )
             for i, name in enumerate(names)
         ]

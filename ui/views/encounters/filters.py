@@ -231,9 +231,7 @@ def clear_filters() -> None:
 
 
 def _draw_widgets(
-    encounters: pd.DataFrame,
-    of_subjects: Mapping[str, Sequence[str]],
-    names_of: Mapping[str, str],
+    encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[str]], names_of: Mapping[str, str]
 ) -> Filters:
     words = {kind: category_words(kind) for kind in CATEGORIES}
     words |= {f"{letter}_only": f"only {plain(name)}" for letter, name in names_of.items()}
@@ -273,11 +271,7 @@ def _draw_widgets(
     names = state.recording_names()
     _choose_among("recording", names)
     recordings = right.multiselect(
-        "Recording",
-        names,
-        placeholder="all",
-        key=_filter("recording").key,
-        persist_state="session",
+        "Recording", names, placeholder="all", key=_filter("recording").key, persist_state="session"
     )
     position = _range(
         left,
@@ -381,12 +375,7 @@ def _least_severity(place: DeltaGenerator, encounters: pd.DataFrame) -> float:
 
 
 def _range(
-    place: DeltaGenerator,
-    label: str,
-    name: str,
-    values: np.ndarray,
-    step: float,
-    text: str,
+    place: DeltaGenerator, label: str, name: str, values: np.ndarray, step: float, text: str
 ) -> tuple[float, float] | None:
     """Draw a slider with two handles. Return its range, or None if it excludes nothing."""
     values = values[np.isfinite(values)]

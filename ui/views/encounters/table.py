@@ -15,13 +15,7 @@ from ui.views.encounters import selection
 from ui.views.encounters.order import COLUMNS, SEVERITY, Order
 from ui.widgets.charts import Clicked, draw_chart
 from ui.widgets.table import SortedBy, draw_table
-from ui.widgets.table_columns import (
-    MOST_ROWS,
-    as_shown,
-    columns_of,
-    heading,
-    rows_told,
-)
+from ui.widgets.table_columns import MOST_ROWS, as_shown, columns_of, heading, rows_told
 
 FIRST_COLUMNS: Final = (
     "recording",

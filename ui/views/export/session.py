@@ -31,11 +31,7 @@ OWN_FOLDER: Final = "data"
 
 
 def portable_session(
-    session: Session,
-    *,
-    is_upload: bool,
-    recordings: Iterable[str] = (),
-    root: Path | None = None,
+    session: Session, *, is_upload: bool, recordings: Iterable[str] = (), root: Path | None = None
 ) -> Session:
     """Return the session with paths relative to its own folder.
 

@@ -41,11 +41,7 @@ _OF_WINDOW: Final = {
         ".3f",
         "The lowest mean similarity of {letter} in any {window}; 1 is best.",
     ),
-    "window_lost_s": (
-        "lost there (s)",
-        ".2f",
-        "What {letter} loses in that window, in seconds.",
-    ),
+    "window_lost_s": ("lost there (s)", ".2f", "What {letter} loses in that window, in seconds."),
     "window_time_s": ("at (s)", ".2f", "Time of the window's middle in its recording."),
 }
 """Label, format and help of the columns of each system's worst window."""
@@ -138,9 +134,7 @@ def _moment(result: Result, kind: str, title: str, moment: Mapping[Hashable, Any
         picture = _thumbnail(result, moment)
         if picture is not None:
             st.image(
-                picture_address(picture),
-                width="stretch",
-                alt=f"{title}: frame {moment['frame']}",
+                picture_address(picture), width="stretch", alt=f"{title}: frame {moment['frame']}"
             )
         st.markdown(
             f"**{plain(moment['recording'])}**, {moment['time_s']:.2f} s  \n"

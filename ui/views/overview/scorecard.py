@@ -58,9 +58,7 @@ class Scorecard:
         ]
         little = _little(self._result)
         return measures_html(
-            rows,
-            key=key,
-            note=f"● better in these recordings, by chance or not.{little}",
+            rows, key=key, note=f"● better in these recordings, by chance or not.{little}"
         )
 
 

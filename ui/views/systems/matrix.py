@@ -54,9 +54,6 @@ def draw(result: Result) -> pd.DataFrame | None:
 
 
 def _compute(
-    dataset: Dataset,
-    params: Params,
-    thresholds: Mapping[str, float | None],
-    progress: Progress,
+    dataset: Dataset, params: Params, thresholds: Mapping[str, float | None], progress: Progress
 ) -> pd.DataFrame:
     return pairwise_table(dataset, params, thresholds=thresholds, progress=progress)

@@ -32,10 +32,7 @@ def upload_pictures(space: Workspace, *, key: str) -> list[str]:
     Return a text for each of the last chosen files that was rejected, not escaped.
     """
     state = _COMPONENT(
-        data={
-            "url": f"{address(space)}/upload/{PICTURES}",
-            "maxBytes": MAX_FILE_BYTES,
-        },
+        data={"url": f"{address(space)}/upload/{PICTURES}", "maxBytes": MAX_FILE_BYTES},
         key=key,
         on_arrived_change=lambda: None,
         on_refused_change=lambda: None,

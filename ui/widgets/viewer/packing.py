@@ -74,11 +74,7 @@ def decimate_minima(similarity: np.ndarray, n_rows: int) -> tuple[np.ndarray, in
 def pack_frames(frames: np.ndarray) -> dict[str, str]:
     """Encode frame numbers for the browser, as one run if they are regular."""
     starts, firsts, steps = find_runs(frames)
-    return {
-        "starts": pack(starts, "i4"),
-        "firsts": pack(firsts, "f8"),
-        "steps": pack(steps, "f8"),
-    }
+    return {"starts": pack(starts, "i4"), "firsts": pack(firsts, "f8"), "steps": pack(steps, "f8")}
 
 
 def pack_times(times_s: np.ndarray, frames: np.ndarray, fps: float) -> dict[str, Any]:

@@ -42,11 +42,7 @@ from nvcore.inputs.readers.coco.truth import (
     read_images,
     rows_by_id,
 )
-from nvcore.inputs.readers.meaning.classes import (
-    CategoryChoice,
-    ClassNames,
-    choose_categories,
-)
+from nvcore.inputs.readers.meaning.classes import CategoryChoice, ClassNames, choose_categories
 from nvcore.inputs.readers.meaning.frame_names import (
     in_file,
     places_of_pictures,

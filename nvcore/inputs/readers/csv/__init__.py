@@ -49,11 +49,7 @@ from nvcore.inputs.readers.meaning.classes import (
     labels_of,
     names_of_numbers,
 )
-from nvcore.inputs.readers.meaning.frame_names import (
-    in_file,
-    places_of_pictures,
-    times_as_frames,
-)
+from nvcore.inputs.readers.meaning.frame_names import in_file, places_of_pictures, times_as_frames
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.values import (
     TEXT_IDS,

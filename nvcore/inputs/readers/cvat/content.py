@@ -38,12 +38,7 @@ from nvcore.inputs.readers.meaning.values import (
     level_of_words,
     levels_of_numbers,
 )
-from nvcore.inputs.readers.parse.xml import (
-    Element,
-    file_stem,
-    is_true,
-    read_elements,
-)
+from nvcore.inputs.readers.parse.xml import Element, file_stem, is_true, read_elements
 
 CORNERS = ["x0", "y0", "x1", "y1"]
 _SAME_OBJECT: Final = 0.7

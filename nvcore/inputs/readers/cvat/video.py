@@ -179,9 +179,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         images = image_list(names, listed)
         facts.append("evaluated frames from the task's size, start and step")
     recordings = recordings_table(
-        names,
-        width=[task.width for _, task in units],
-        height=[task.height for _, task in units],
+        names, width=[task.width for _, task in units], height=[task.height for _, task in units]
     )
     return boxes_reading(
         boxes,

@@ -170,10 +170,7 @@ def known_recording(parts: tuple[str, ...], known: tuple[str, ...]) -> str | Non
 
 
 def recordings_of(
-    names: Sequence[str],
-    known: tuple[str, ...] = (),
-    *,
-    stated: Sequence[str | None] | None = None,
+    names: Sequence[str], known: tuple[str, ...] = (), *, stated: Sequence[str | None] | None = None
 ) -> tuple[list[str], list[str]]:
     """Return the recordings of files that hold one whole recording each.
 

@@ -78,12 +78,7 @@ class TextTable:
         return texts
 
     def numbers(
-        self,
-        column: str,
-        *,
-        low: float = -np.inf,
-        high: float = np.inf,
-        may_be_empty: bool = False,
+        self, column: str, *, low: float = -np.inf, high: float = np.inf, may_be_empty: bool = False
     ) -> NDArray[np.float64]:
         """Return the column as float64, shape (n,), with empty fields as NaN if `may_be_empty`.
 

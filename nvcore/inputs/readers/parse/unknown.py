@@ -81,11 +81,7 @@ _FOREIGN: Final[tuple[tuple[str, str, str], ...]] = (
         "write YOLO text (save_txt with save_conf) instead",
     ),
     (r"\AImageID,Source,LabelName,", "Open Images' CSV", ""),
-    (
-        r"\A(?:-?[\d.]+,){2}[01],[01],(?:-?[\d.]+,){7}-?[\d.]+\s*$",
-        "Oxford Town Centre's CSV",
-        "",
-    ),
+    (r"\A(?:-?[\d.]+,){2}[01],[01],(?:-?[\d.]+,){7}-?[\d.]+\s*$", "Oxford Town Centre's CSV", ""),
     (
         r"\A# ?1: Detection or Track|\A(?:#.*\n)*\d+,[^,\n]*,\d+(?:,-?[\d.]+){6},[A-Za-z]",
         "VIAME's CSV (DIVE)",

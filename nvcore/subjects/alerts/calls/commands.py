@@ -7,12 +7,7 @@ from typing import Any
 
 import click
 
-from nvcore.cli.options import (
-    command,
-    grouped_option,
-    input_options,
-    parameter_options,
-)
+from nvcore.cli.options import command, grouped_option, input_options, parameter_options
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
     check_output_folder,

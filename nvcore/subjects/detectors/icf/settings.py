@@ -70,10 +70,7 @@ class IcfSettings:
     magnitude: Magnitude = setting(
         "euclidean",
         "Of a gradient.",
-        choices={
-            "euclidean": "root of the sum of squares",
-            "sum": "of both absolute differences",
-        },
+        choices={"euclidean": "root of the sum of squares", "sum": "of both absolute differences"},
     )
     blur: bool = setting(True, "3x3 Gaussian, first of all.")
     clahe_clip: float = setting(

@@ -214,12 +214,7 @@ def _shared(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.
 
 
 def _cut(
-    picture: Bytes,
-    x: float,
-    y: float,
-    scale: float,
-    settings: IcfSettings,
-    shrunk: float = 0.0,
+    picture: Bytes, x: float, y: float, scale: float, settings: IcfSettings, shrunk: float = 0.0
 ) -> Bytes:
     """Cut out a window with its margin, centred at x, y, with `scale` px of the picture per px.
 

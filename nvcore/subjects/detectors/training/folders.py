@@ -102,9 +102,7 @@ def _read(path: Path) -> NDArray[np.generic]:
 
 
 def _fingerprint(
-    paths: Sequence[Path],
-    boxes: Sequence[NDArray[np.float64]],
-    labels: Sequence[tuple[str, ...]],
+    paths: Sequence[Path], boxes: Sequence[NDArray[np.float64]], labels: Sequence[tuple[str, ...]]
 ) -> TrainedOn:
     """Return the sha256 over the files' contents, their boxes, and the classes, if any."""
     digest = hashlib.sha256()

@@ -151,10 +151,7 @@ def _is_covered(
 
 
 def trained_part(
-    dataset: Dataset,
-    recording: str,
-    first_frame: int | None = None,
-    last_frame: int | None = None,
+    dataset: Dataset, recording: str, first_frame: int | None = None, last_frame: int | None = None
 ) -> TrainedOn:
     """Return a recording, or some of its evaluated frames (both ends included), as trained on."""
     names = dataset.recordings["name"].tolist()

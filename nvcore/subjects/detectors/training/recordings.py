@@ -178,10 +178,7 @@ class _Split(NamedTuple):
 
 
 def _split(
-    dataset: Dataset,
-    rows: NDArray[np.int64],
-    objects: NDArray[np.int64],
-    arguments: TrainArguments,
+    dataset: Dataset, rows: NDArray[np.int64], objects: NDArray[np.int64], arguments: TrainArguments
 ) -> _Split:
     """Choose what to hold out of these frame rows and truth boxes."""
     frames, share, seed = dataset.frame_columns, arguments.share, arguments.seed

@@ -88,10 +88,7 @@ class PictureStore:
     """
 
     def __init__(
-        self,
-        shots: Sequence[Shot],
-        most_bytes: int = MOST_BYTES,
-        progress: Progress = no_progress,
+        self, shots: Sequence[Shot], most_bytes: int = MOST_BYTES, progress: Progress = no_progress
     ) -> None:
         self.shots = shots
         self.faults: dict[int, str] = {}

@@ -179,10 +179,7 @@ class EvaluateArguments(TrialArguments):
     """Arguments of `nvcore.evaluate_driver`."""
 
     out: PathLike | None = argument(
-        OUTPUT,
-        "Write the tables into this folder (CSV).",
-        default=None,
-        type=FOLDER,
+        OUTPUT, "Write the tables into this folder (CSV).", default=None, type=FOLDER
     )
     _: KW_ONLY
     html: PathLike | None = argument(

@@ -64,20 +64,8 @@ class Feature:
 
 
 FEATURES: Final = (
-    Feature(
-        "width_px",
-        "Width",
-        "px",
-        "Width of the pedestrian.",
-        is_of_scale=True,
-    ),
-    Feature(
-        "height_px",
-        "Height",
-        "px",
-        "Height of the pedestrian.",
-        is_of_scale=True,
-    ),
+    Feature("width_px", "Width", "px", "Width of the pedestrian.", is_of_scale=True),
+    Feature("height_px", "Height", "px", "Height of the pedestrian.", is_of_scale=True),
     Feature(
         "luminance_sd",
         "Luminance SD",

@@ -3,10 +3,4 @@
 from nvcore.subjects.driver.illumination.clock import LightSettings
 from nvcore.subjects.driver.illumination.meter import Light, LightSource, picture_level, read_light
 
-__all__ = [
-    "Light",
-    "LightSettings",
-    "LightSource",
-    "picture_level",
-    "read_light",
-]
+__all__ = ["Light", "LightSettings", "LightSource", "picture_level", "read_light"]

@@ -225,10 +225,7 @@ class AdaptationClock:
 
 
 def adaptation_clock(
-    light: Light | None,
-    frame: NDArray[np.int64],
-    fps: float,
-    settings: LightSettings | None = None,
+    light: Light | None, frame: NDArray[np.int64], fps: float, settings: LightSettings | None = None
 ) -> AdaptationClock:
     """Compute light and adaptation in the frames of a recording.
 

@@ -263,10 +263,7 @@ def check_settings(settings: FeatureSettings, estimator: Estimator) -> None:
 
 
 def run_estimate(
-    features: FeatureRun,
-    estimator: Estimator,
-    *,
-    interpolate: bool = False,
+    features: FeatureRun, estimator: Estimator, *, interpolate: bool = False
 ) -> EstimateRun:
     """Estimate the detectability of every pedestrian box from its features.
 

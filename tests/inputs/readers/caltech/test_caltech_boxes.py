@@ -105,10 +105,7 @@ def test_a_fault_is_named_by_file_and_line(tmp_path, row, words):
     ("names", "words"),
     [
         (["notes.txt"], r"notes\.txt: expected one file per frame"),
-        (
-            ["a/I00019.txt", "a/I19.txt"],
-            r"is frame 19 of recording 'a', as is a/I00019\.txt",
-        ),
+        (["a/I00019.txt", "a/I19.txt"], r"is frame 19 of recording 'a', as is a/I00019\.txt"),
     ],
 )
 def test_every_file_is_a_frame_of_its_own(tmp_path, names, words):

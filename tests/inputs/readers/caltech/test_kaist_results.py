@@ -56,11 +56,7 @@ def test_the_recordings_are_all_of_the_list_with_or_without_detections(tmp_path)
 
 @pytest.mark.parametrize(
     ("changes", "frames"),
-    [
-        ({}, [0, 29]),
-        ({"frame_base": 0}, [1, 30]),
-        ({"images": None, "recordings": ()}, [0, 29]),
-    ],
+    [({}, [0, 29]), ({"frame_base": 0}, [1, 30]), ({"images": None, "recordings": ()}, [0, 29])],
     ids=["counted from 1", "declared to count from 0", "without truth"],
 )
 def test_caltech_frames_become_the_numbers_of_the_pictures(changes, frames):

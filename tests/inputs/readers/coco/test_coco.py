@@ -179,10 +179,7 @@ def test_an_unknown_class_is_an_error_that_lists_the_known():
             {"images": [{"id": i, "file_name": "a/I5.png", "frame_index": 5} for i in (1, 2)]},
             "two images are frame 5 of recording 'a'",
         ),
-        (
-            {"annotations": [annotation(occlusion=10**400)]},
-            'numbers below 1e308 as "occlusion"',
-        ),
+        ({"annotations": [annotation(occlusion=10**400)]}, 'numbers below 1e308 as "occlusion"'),
     ],
 )
 def test_what_a_document_contradicts_or_lacks_is_an_error(read_document, parts, message):

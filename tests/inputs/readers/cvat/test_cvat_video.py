@@ -12,11 +12,7 @@ from reader_files import golden, only_finding, rows, source
 
 from nvcore.common.errors import FormatError, InputError
 from nvcore.inputs.readers.base import Lines, Reading, ReadOptions, SourceFile
-from nvcore.inputs.readers.cvat.video import (
-    FilledTracks,
-    fill_between_keyframes,
-    read,
-)
+from nvcore.inputs.readers.cvat.video import FilledTracks, fill_between_keyframes, read
 
 
 def read_golden(**options: object) -> Reading:

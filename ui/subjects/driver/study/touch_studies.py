@@ -88,11 +88,7 @@ class TouchStudies(Studies[DetectabilityStudy, DetectabilityStore]):
         return asdict(study.settings.facts)
 
     def draw_trial(
-        self,
-        store: DetectabilityStore,
-        study: DetectabilityStudy,
-        person: Person,
-        left: list[Any],
+        self, store: DetectabilityStore, study: DetectabilityStudy, person: Person, left: list[Any]
     ) -> bool:
         """Draw a practice run, or the next run with trials that have no answer."""
         try:
