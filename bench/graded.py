@@ -14,6 +14,7 @@ import argparse
 import json
 import os
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
@@ -212,7 +213,9 @@ def main() -> None:
     if options.write:
         before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
         _, after = rest.split(END)
-        PAGE.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
+        of_cell = Counter((row["kind"], row["name"], row["n"]) for row in rows).values()
+        note = f"{min(of_cell):,} to {max(of_cell):,} studies of each kind and size."
+        PAGE.write_text(f"{before}{BEGIN}\n{note}\n\n{text}\n{END}{after}", encoding="utf-8")
 
 
 if __name__ == "__main__":

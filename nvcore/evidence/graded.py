@@ -17,7 +17,7 @@ import scipy
 
 from nvcore.comparison.compare import Result
 from nvcore.dataset.schema import Category
-from nvcore.evidence.units import Units
+from nvcore.evidence.units import MIN_RECORDINGS, Units
 
 PRIOR_SD: Final = 1.5
 """Standard deviation of the difference d, in logits."""
@@ -29,6 +29,9 @@ N_SPREAD: Final = 7
 N_UNIT: Final = 21
 """Points of the grid over d, tau and z."""
 MIN_UNITS: Final = 2
+MOST_OF_FEW: Final = 0.95
+"""Highest probability with fewer than six units. In simulated studies with people in groups, of 15
+statements above 97.5 in 100 from four recordings 11 were right (bench/graded.py)."""
 
 _APART: Final = np.linspace(-4, 4, N_APART) * PRIOR_SD
 _LOG_PRIOR: Final = -0.5 * (_APART / PRIOR_SD) ** 2
@@ -131,4 +134,5 @@ def grade(results: Sequence[Result], units: Units) -> Graded:
     shares = np.mean([probability(*pair) for pair in counts], axis=0)
     if ((shares > 0.5) != (shares[0] > 0.5)).any():
         return replace(graded, reason="one")
-    return replace(graded, y_better=float(shares[0]), reason="")
+    most = 1.0 if len(units) >= MIN_RECORDINGS else MOST_OF_FEW
+    return replace(graded, y_better=float(np.clip(shares[0], 1 - most, most)), reason="")

@@ -74,6 +74,12 @@ def scene(missed: list[tuple[int, int]], *, scores: bool = True) -> Result:
     return result_of(make_dataset(truth, x, y, places=places))
 
 
+def test_few_recordings_are_not_more_than_95_of_100_sure():
+    few, enough = [(4, 0)] * 5, [(4, 0)] * 6
+    assert grade_systems(scene(few)).y_better == 0.95 < reading(few)
+    assert grade_systems(scene(enough)).y_better == pytest.approx(reading(enough), abs=0.01)
+
+
 def test_python_has_its_numbers():
     graded = nv.compare(scene([(3, 0), (2, 1), (1, 0)]).dataset).how_sure
     assert (graded.x_misses, graded.y_misses, graded.noun) == (6, 1, "recording")
