@@ -251,6 +251,14 @@ def test_an_assumed_correlation_needs_one_n():
         nv.groups(table, correlation=0.5)
 
 
+def test_the_sd_of_assumed_pairs_is_that_of_the_difference():
+    table = pd.DataFrame({"condition": ["a", "b"], "n": 4, "mean": [1.0, 2.0], "sd": [0.1, 0.2]})
+    (pair,) = nv.groups(table, correlation=0.5).pairs.query("test == 'assumed'").to_dict("records")
+    sd = (0.1**2 + 0.2**2 - 2 * 0.5 * 0.1 * 0.2) ** 0.5
+    assert abs(pair["d"]) == pytest.approx(1 / sd)
+    assert abs(pair["value"]) == pytest.approx(1 / (sd / 4**0.5))
+
+
 def test_what_users_named_moves_no_cursor():
     table = persons(4, 2).replace({"condition": {"a": "\x1b[31m{one}"}})
     result = nv.groups(table)

@@ -13,6 +13,7 @@ from inputs import drive, nvcore, session_of, write
 
 from nvcore.auditing import audit
 from nvcore.common.errors import FormatError, InputError
+from nvcore.common.findings import Severity
 from nvcore.comparison.compare import compare
 from nvcore.dataset import Dataset
 from nvcore.inputs.load import load
@@ -158,14 +159,17 @@ def test_a_row_of_no_box_is_a_finding_with_file_and_line(tmp_path, bad: str):
 def test_a_second_row_of_the_same_box_is_one_too(tmp_path):
     dataset = load(estimated(tmp_path, row("urban", 0, 0.5), row("urban", 0, 0.7)))
     assert known(dataset) == {("urban", 0): 0.5}
-    assert "detectability-without-box" in codes(dataset)
+    (finding,) = (of for of in audit(dataset) if of.code == "detectability-without-box")
+    assert finding.severity is Severity.WARNING
 
 
 def test_rows_of_frames_that_are_not_evaluated_are_a_note(tmp_path):
     session = replace(
         estimated(tmp_path, row("urban", 0, 0.5), row("urban", 1, 0.7)), frames="0:18:2"
     )
-    assert codes(load(session)) == ["detectability-of-other-frames", "boxes-without-detectability"]
+    dataset = load(session)
+    assert codes(dataset) == ["detectability-of-other-frames", "boxes-without-detectability"]
+    assert {of.severity for of in audit(dataset) if of.code in codes(dataset)} == {Severity.NOTE}
 
 
 def test_every_row_of_a_file_is_joined_or_left_out(tmp_path):
