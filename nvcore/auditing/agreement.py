@@ -276,8 +276,8 @@ def find_unlisted(x: BoxSource, y: BoxSource, matches: tuple[Matches, Matches]) 
             "false-alarms-like-matches",
             many.rows,
             f"{system.name} has {count_text(n_many, 'run')} of false alarms as long "
-            f"({count_text(int(np.ceil(frames)), 'frame')}), large ({height:.0f} px){sure} as most "
-            f"of its matches, {other.name} has {n_few:,}: more than chance.",
+            f"({count_text(int(np.ceil(frames)), 'frame')}), large ({height:.0f} px){sure} as the "
+            f"upper three quarters of its matches, {other.name} has {n_few:,}: more than chance.",
             say(
                 "Look at them. Where they show {people}, the ground truth lacks {people} {whom} "
                 "{other} does not detect, and {name}'s right detections count as false alarms: add "

@@ -28,14 +28,14 @@ def audit_copies(dataset: Dataset) -> Iterator[Finding]:
             Severity.ERROR,
             "copied-recording",
             "Recordings hold the same boxes of the truth",
-            "One drive counted twice is no evidence of two: leave one out. If both are meant, say",
+            "One drive counted twice is no evidence of two: leave one out. If both are meant,",
             [copy for copy in copies if not copy.relation],
         ),
         (
             Severity.WARNING,
             "nearly-copied-recording",
             "Recordings hold nearly the same boxes of the truth",
-            "They look like one drive, exported or annotated twice: leave one out. If not, say",
+            "They look like one drive, exported or annotated twice: leave one out. Else",
             [copy for copy in copies if copy.relation],
         ),
     ):
@@ -46,8 +46,8 @@ def audit_copies(dataset: Dataset) -> Iterator[Finding]:
                 TRUTH_NAME,
                 len(found),
                 f"{message}: {listed(_described(dataset, found))}.",
-                f"{advice} by their unit what each is part of: the same for two cameras of one "
-                "drive. Until then they are one in every test.",
+                f"{advice} give each a unit (the same for two cameras of one drive). Until then "
+                "they count as one recording in every test.",
                 example=f"recording {dataset.recordings['name'].iloc[found[0].second]}",
                 steps=(Step(Remedy.ACCEPT, code, TRUTH_NAME),),
             )

@@ -105,7 +105,9 @@ def find_claims(
     rows = _significant_rows(tested)
     doubts, candidates = _doubts(rows), _candidates(about, rows)
     if companions is None:
-        withheld = dict.fromkeys(candidates, Note("verdict.not_yet_compared"))
+        withheld = dict.fromkeys(
+            candidates, Note("verdict.not_yet_compared", is_delivered=are_delivered(result))
+        )
         return Support(basis, withheld=withheld | doubts)
     withheld = _not_confirmed(result, candidates, companions) if is_as_set else {}
     for key in candidates:
@@ -156,7 +158,10 @@ def find_within(
             clearness[key] = abs(apart) / to_zero if to_zero > 0 else np.inf
             claims[key] = Claim(key, winner, np.nan, n)
     equal, strict = companions.equal, companions.strict
-    withheld = set(_not_dominant(result, claims)) if equal is None else set()
+    withheld = set()
+    if equal is None:
+        rule = _worse_alarms if are_delivered(result) else _not_dominant
+        withheld = set(rule(result, claims))
     if equal is not None:
         withheld |= {key for key in claims if measure_of(key).of and is_turned(key, result, equal)}
     withheld |= {key for key in claims if is_turned_strictly(key, result, strict)}
@@ -224,12 +229,14 @@ def _not_confirmed(
 def _worse_alarms(result: Result, candidates: Mapping[str, Claim]) -> dict[str, Note]:
     """Return why claims fail for delivered thresholds: the better system may alarm more."""
     note, units = Note("verdict.worse_alarms", margin=ALARM_MARGIN), find_units(result)
-    alerts = {key: claim for key, claim in candidates.items() if key == FALSE_ALERTS}
-    return _not_dominant(result, alerts) | {
-        key: note
-        for key, claim in candidates.items()
-        if alarm_ratio_limit(result, units, claim.winner) > ALARM_MARGIN
-    }
+    n_matched = {letter: int(system.matched.sum()) for letter, system in result.sides}
+    reasons = {}
+    for key, claim in candidates.items():
+        if key == FALSE_ALERTS and n_matched[claim.winner] < max(n_matched.values()):
+            reasons[key] = Note("verdict.fewer_matches", winner=claim.winner)
+        if alarm_ratio_limit(result, units, claim.winner) > ALARM_MARGIN:
+            reasons[key] = note
+    return reasons
 
 
 def alarm_ratio_limit(result: Result, units: Units, of: str) -> float:

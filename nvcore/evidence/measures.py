@@ -167,16 +167,16 @@ def significance_table(
     `nvcore.evidence.table.evidence_table` adds the log-average miss rate. Encounters detected
     appear twice: by encounter (McNemar), which is only about these drives, and by units, which
     allows for similar encounters within a recording. They are followed by the other measures that
-    `nvcore.comparison.measures.Inference` tests by units (except those that do not apply, such as
-    measures of urgent encounters if there are none), and by `extra`. If there are too few data for
-    a measure, or most encounters are single frames, it is NaN and `note` has the reason.
+    `nvcore.comparison.measures.entry.Inference` tests by units (except those that do not apply,
+    such as measures of urgent encounters if there are none), and by `extra`. If there are too few
+    data for a measure, or most encounters are single frames, it is NaN and `note` has the reason.
 
     Parameters
     ----------
     extra
         Further measures.
     keys
-        Some of `nvcore.comparison.measures.EVIDENCE_KEYS`; None: all that the comparison has.
+        Some of `nvcore.comparison.measures.table.EVIDENCE_KEYS`; None: all that the comparison has.
     units
         ``find_units(result)``, if already computed.
     shifts
@@ -245,7 +245,7 @@ def judge(
     Parameters
     ----------
     keys
-        Some of `nvcore.comparison.measures.EVIDENCE_KEYS`, except the log-average miss rate.
+        Some of `nvcore.comparison.measures.table.EVIDENCE_KEYS`, except the log-average miss rate.
     units
         See `significance_table`.
     """
@@ -295,7 +295,7 @@ def judge_encounters(result: Result, key: str = "encounters_detected") -> Eviden
     Parameters
     ----------
     key
-        Key of a measure whose `nvcore.comparison.measures.Inference` has a `split`.
+        Key of a measure whose `nvcore.comparison.measures.entry.Inference` has a `split`.
     """
     split = inference_of(key).split
     assert split is not None, key

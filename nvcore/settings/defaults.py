@@ -69,8 +69,9 @@ class Settings:
         Measure that decides the comparison.
     operating_point
         Numbers to show if X and Y have unequal false alarms: as they are set, or with one threshold
-        moved to equalise them. None: as set in files and for programs, equal in dashboard and
-        report. Claims are about equal false alarms in any case.
+        moved to equalise them. Claims are about equal false alarms either way. `DELIVERED`: numbers
+        and claims are as set. None: as set in files and for programs, equal in dashboard and
+        report.
     """
 
     x: str | None = None

@@ -38,7 +38,7 @@ class ScoreRow(NamedTuple):
     better
         ``higher`` or ``lower``. Empty: neither.
     is_doubtful
-        True if nothing is claimed of it for any values (`nvcore.comparison.measures.doubt_of`).
+        True if nothing is claimed of it for any values (`measures.table.doubt_of`).
     level
         0, or 1 for a part of the row above.
     needs_tracks

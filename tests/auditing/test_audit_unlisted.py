@@ -79,7 +79,7 @@ def test_without_scores_length_and_height_decide() -> None:
     made = scene(y=ONE_EACH)
     without = dataclasses.replace(made, boxes=made.boxes.assign(score=np.nan))
     (finding,) = unlisted(without)
-    assert "as long (10 frames), large (100 px) as most" in finding.message
+    assert "as long (10 frames), large (100 px) as the" in finding.message
 
 
 NO_FINDING = {
@@ -118,7 +118,7 @@ def test_the_verdict_says_that_even_all_of_them_would_not_turn_the_lead() -> Non
     encounters, _ = on_encounters(scene(x=ONE_EACH, n_by_x=4))  # one less in each recording
     assert encounters.endswith(
         "Even if all 6 runs of X's false alarms that look like its matches were real pedestrians, "
-        "Y would lead in encounters detected."
+        "X would at most equal Y in encounters detected."
     )
 
 

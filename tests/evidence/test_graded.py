@@ -74,10 +74,23 @@ def scene(missed: list[tuple[int, int]], *, scores: bool = True) -> Result:
     return result_of(make_dataset(truth, x, y, places=places))
 
 
-def test_few_recordings_are_not_more_than_95_of_100_sure():
+def test_few_recordings_are_not_more_than_90_of_100_sure():
     few, enough = [(4, 0)] * 5, [(4, 0)] * 6
-    assert grade_systems(scene(few)).y_better == 0.95 < reading(few)
+    assert grade_systems(scene(few)).y_better == 0.9 < reading(few)
     assert grade_systems(scene(enough)).y_better == pytest.approx(reading(enough), abs=0.01)
+
+
+def test_x_and_y_change_places():
+    """One recording has all of the difference: without it neither is better."""
+    for missed in ([(3, 0), (0, 0), (0, 0)], [(0, 3), (0, 0), (0, 0)]):
+        assert grade_systems(scene(missed)).reason == "one"
+
+
+def test_it_says_where_the_better_one_misses_more_in_all():
+    assert said(scene([(0, 1)] * 7 + [(8, 0)])).endswith(
+        "of 100 that X misses fewer encounters in a typical recording at equal false alarms, "
+        "although it misses more in all (8 against 7)."
+    )
 
 
 def test_python_has_its_numbers():
@@ -96,7 +109,7 @@ def test_the_verdict_says_it_at_equal_false_alarms():
     missed = [(3, 0), (2, 1), (1, 0), (3, 1), (2, 0)]
     graded = grade_systems(scene(missed))
     assert (graded.x_misses, graded.y_misses, graded.n_units) == (11, 2, 5)
-    assert graded.y_better == pytest.approx(reading(missed), abs=0.01)
+    assert graded.y_better == 0.9 < reading(missed)
     share = round(100 * graded.y_better)
     assert said(scene(missed)) == (
         f"{share} of 100 that Y misses fewer encounters in a typical recording at equal false "
@@ -109,7 +122,7 @@ def test_the_verdict_says_it_at_equal_false_alarms():
     [
         (scene([(3, 0)]), "there is only 1 recording."),
         (scene([(3, 0)] * 3, scores=False), "without scores that differ, X and Y cannot be set"),
-        (scene([(0, 0)] * 4), "neither misses any that the other detects."),
+        (scene([(0, 0)] * 4), "neither misses any that the other detects at equal false alarms."),
         (scene([(3, 0), (0, 2), (0, 0)]), "it turns if a recording is left out (only X misses 3"),
     ],
     ids=["units", "scores", "none", "one"],

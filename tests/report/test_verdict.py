@@ -102,8 +102,8 @@ def test_nothing_is_claimed_before_the_companions_are_known(better_x: Result):
     rows = row_of(BY_UNIT, 0.01), row_of("mean_similarity", 0.01)
     text = verdict_by(better_x, *rows, companions=False)
     assert not text.claims
-    assert conclusion_of(text) == Note("verdict.pending")
-    reason = Note("verdict.not_yet_compared")
+    assert conclusion_of(text) == Note("verdict.pending", is_delivered=False)
+    reason = Note("verdict.not_yet_compared", is_delivered=False)
     unclaimed = Note("verdict.unclaimed", measures=[DETECTED, SIMILAR], reason=reason)
     assert said(text, "Chance") == (unclaimed,)
     assert said(text, "Encounters")[0]["test"] == ""  # its p is withheld

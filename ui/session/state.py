@@ -23,6 +23,7 @@ from nvcore.metrics.detection.operating_point import span_of_scores
 from nvcore.notes import Note
 from nvcore.settings.defaults import DELIVERED, OperatingPoint
 from nvcore.settings.params import SETTINGS, Params
+from nvcore.settings.primary import Primary, now_text
 from nvcore.settings.protocols import Protocol
 from nvcore.settings.stages import SALIENT, THRESHOLD
 from ui.access.people import is_same
@@ -282,10 +283,21 @@ def operating_point() -> OperatingPoint:
 def set_operating_point(point: OperatingPoint) -> None:
     """Set how unequal thresholds are compared."""
     before = operating_point()
-    if DELIVERED in (point, before) and point != before:
-        compare_as(replace(opened().session, operating_point=point))
+    if DELIVERED in (point, before) and point != before:  # another question
+        primary = primary_so_far()
+        if primary.fingerprint:
+            primary = replace(primary, is_changed=True, fixed_at=now_text())
+        compare_as(replace(opened().session, operating_point=point, primary=primary))
     elif point != before:
         _change_session(operating_point=point)
+
+
+def primary_so_far() -> Primary:
+    """Return the primary measure, which a verdict on the data has fixed if it was shown."""
+    fingerprint = opened().dataset.fingerprint
+    primary = opened().session.primary.of_data(fingerprint)
+    is_shown = store.SHOWN_VERDICT.get() == fingerprint
+    return replace(primary, fingerprint=fingerprint) if is_shown else primary
 
 
 def protocol() -> Protocol:

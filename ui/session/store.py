@@ -160,6 +160,8 @@ TAB_CLAIMS = Entry("tab_claims", 0)
 PRESET: Entry[tuple[int | None, str]] = Entry("preset_chosen", (None, ""))
 """Opening, and the preset chosen last for it."""
 OPERATING_POINT: Entry[OperatingPoint] = Entry("operating_point", "equal-alarms")
+BEFORE_DELIVERED: Entry[OperatingPoint] = Entry("before_delivered", "equal-alarms")
+"""Operating point to return to from delivered products."""
 THRESHOLD_MOVE: Entry[Move | None] = Entry("point_moved", None)
 """Last move to equal false alarms."""
 TAGS_REFUSED = Entry("tags_refused", "")

@@ -63,7 +63,7 @@ def subgroup_table(
     Parameters
     ----------
     keys
-        Some of `nvcore.comparison.measures.EVIDENCE_KEYS`; None: all that the comparison has.
+        Some of `nvcore.comparison.measures.table.EVIDENCE_KEYS`; None: all that the comparison has.
     protocol
         Selection of the pedestrians that count in the log-average miss rate.
     units

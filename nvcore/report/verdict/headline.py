@@ -60,7 +60,7 @@ def _conclusion(
             remarks=_remarks(result, support.claims),
         )
     if companions is None and support.withheld:
-        return Note("verdict.pending")
+        return Note("verdict.pending", is_delivered=are_delivered(result))
     if not evidence["unit"].isin(WHOLE).any():
         within = find_within(result, evidence, companions)
         extent: dict[str, Any] = {"n": n, "noun": noun, "n_needed": MIN_RECORDINGS}

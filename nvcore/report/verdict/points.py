@@ -41,7 +41,7 @@ from nvcore.evidence.operating_points import (
     equal_setting,
     has_scores,
 )
-from nvcore.evidence.units import WHOLE, find_units
+from nvcore.evidence.units import WHOLE, find_whole
 from nvcore.notes import Note
 from nvcore.report.words import every_nth
 from nvcore.settings.primary import DEFAULT
@@ -265,14 +265,20 @@ def probability(result: Result, companions: Companions | None) -> tuple[Note, ..
     if companions is None or companions.graded is None:
         return ()
     graded = companions.graded
+    is_delivered, counts = are_delivered(result), counts_of(graded)
     if graded.reason:
-        return (Note("verdict.ungraded", reason=graded.reason, **counts_of(graded)),)
+        reason = {"reason": graded.reason, "is_delivered": is_delivered}
+        return (Note("verdict.ungraded", **reason, **counts),)
     of_y = graded.y_better
     winner, share = ("y", of_y) if of_y >= HALF else ("x", 1 - of_y)
+    more, fewer = graded.x_misses, graded.y_misses
+    if winner == "y":
+        more, fewer = fewer, more
     said = {"winner": winner, "share": round(100 * share), "noun": graded.noun}
-    if not are_delivered(result):
+    said |= {"more": more, "fewer": fewer}
+    if not is_delivered:
         return (Note("verdict.graded", **said),)
-    is_worse = alarm_ratio_limit(result, find_units(result), winner) > ALARM_MARGIN
+    is_worse = alarm_ratio_limit(result, find_whole(result.dataset), winner) > ALARM_MARGIN
     return (Note("verdict.graded_delivered", margin=ALARM_MARGIN if is_worse else 0, **said),)
 
 

@@ -9,6 +9,8 @@ from nvcore.common import subject
 
 
 class Alerts(subject.Subject):
+    """Alerts to the driver."""
+
     name = "alerts"
     needs = ("time_left", "driver")
     names: ClassVar = {"nvcore.subjects.alerts.calls.python": ("judge_alerts",)}

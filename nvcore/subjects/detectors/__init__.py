@@ -9,6 +9,8 @@ from nvcore.common import subject
 
 
 class Detectors(subject.Subject):
+    """Detectors that nvcore runs or trains."""
+
     name = "detectors"
     names: ClassVar = {"nvcore.subjects.detectors.calls.python": ("detect", "train")}
     formats: ClassVar = {

@@ -9,6 +9,8 @@ from nvcore.common import subject
 
 
 class Driver(subject.Subject):
+    """What the driver sees unaided."""
+
     name = "driver"
     needs = ("time_left",)
     names: ClassVar = {

@@ -9,6 +9,8 @@ from nvcore.common import subject
 
 
 class Fleet(subject.Subject):
+    """Stores of many recordings."""
+
     name = "fleet"
     names: ClassVar = {
         "nvcore.subjects.fleet.calls": (

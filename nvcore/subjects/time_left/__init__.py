@@ -6,6 +6,8 @@ from nvcore.common import subject
 
 
 class TimeLeft(subject.Subject):
+    """The time left to brake."""
+
     name = "time_left"
 
     def settings(self) -> subject.AddedSettings:

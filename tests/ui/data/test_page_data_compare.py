@@ -195,7 +195,7 @@ def test_the_primary_measure_is_chosen_before_the_verdict_or_said_to_be_changed(
     assert "after a verdict" not in texts(page)
     checked(page.selectbox(key="choice_primary").set_value("saliency").run())
     assert "Changed on 20" in texts(page)
-    assert " was made the primary measure on 20" in texts(to_page(page, "overview"))
+    assert "The question was changed on 20" in texts(to_page(page, "overview"))
 
 
 def test_delivered_products_are_compared_as_they_are_set():

@@ -26,7 +26,6 @@ from nvcore.metrics.detection.operating_point import operating_point as operatin
 from nvcore.report.words import at_best, sampling_note
 from nvcore.settings.defaults import DELIVERED
 from nvcore.settings.params import Params
-from nvcore.settings.primary import Primary, now_text
 from nvcore.settings.stages import MATCH
 from ui.session import state, store
 from ui.shell import operating_point, systems
@@ -108,7 +107,7 @@ def _draw_choice(x: str, y: str) -> None:
         on_change=_choose_delivered,
         help="The verdict is about the systems as they are set. It claims that one is better only "
         f"if that one has at most {ALARM_MARGIN:g} times the other's false alarms, beyond chance. "
-        "Otherwise X and Y are compared at equal false alarms.",
+        "Without the check mark X and Y are compared at equal false alarms.",
     )
     for fact in at_best(state.opened().dataset):
         st.caption(state.say(fact))
@@ -119,32 +118,19 @@ def _draw_choice(x: str, y: str) -> None:
         )
 
 
-def _primary_so_far() -> Primary:
-    """Return the primary measure, which a verdict on the data has fixed if it was shown."""
-    fingerprint = state.opened().dataset.fingerprint
-    primary = state.opened().session.primary.of_data(fingerprint)
-    is_shown = store.SHOWN_VERDICT.get() == fingerprint
-    return replace(primary, fingerprint=fingerprint) if is_shown else primary
-
-
 def _choose_primary() -> None:
     """Use another primary measure, and note whether a verdict on the data was shown."""
-    chosen = choose_primary(_primary_so_far(), store.CHOICE.of("primary").get())
+    chosen = choose_primary(state.primary_so_far(), store.CHOICE.of("primary").get())
     state.compare_as(replace(state.opened().session, primary=chosen))
 
 
 def _choose_delivered() -> None:
-    """Ask about delivered products or equal false alarms. After a verdict, this is a change."""
-    primary = _primary_so_far()
-    if primary.fingerprint:
-        primary = replace(primary, is_changed=True, fixed_at=now_text())
-    is_delivered = store.widget("choice_delivered").get()
-    session = replace(
-        state.opened().session,
-        primary=primary,
-        operating_point=DELIVERED if is_delivered else "equal-alarms",
-    )
-    state.compare_as(session)
+    """Ask about delivered products, or return to the earlier operating point."""
+    if store.widget("choice_delivered").get():
+        store.BEFORE_DELIVERED.set(state.operating_point())
+        state.set_operating_point(DELIVERED)
+    else:
+        state.set_operating_point(store.BEFORE_DELIVERED.get())
 
 
 def _choose(letter: str) -> None:
@@ -256,7 +242,7 @@ def _draw_same_point(x: str, y: str) -> None:
     moved, fixed = (letter, "yx"["xy".index(letter)]) if letter is not None else ("y", "x")
     st.button(
         "Same operating point",
-        disabled=letter is None,
+        disabled=letter is None or state.operating_point() == DELIVERED,
         key="same_point",
         icon=":material/balance:",
         on_click=operating_point.move,

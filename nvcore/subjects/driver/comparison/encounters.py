@@ -89,7 +89,7 @@ def driver_venn_table(result: Result) -> pd.DataFrame:
 
     Returns
     -------
-    Columns region (`nvcore.dataset.schema.DriverRegion`), who (in short), encounters, severity_x,
+    Columns region (`judging.DriverRegion`), who (in short), encounters, severity_x,
     severity_y (severity of the systems' failures there, s), meaning (a sentence).
     """
     severity_s = [system.failures["severity_s"].to_numpy() for _, system in result.sides]
