@@ -62,7 +62,7 @@ def test_false_alarms_of_one_system_that_look_like_its_matches_are_a_warning() -
     assert (finding.severity, finding.subject, finding.count) == ("warning", "y", 7)
     assert finding.message == (
         "y has 7 runs of false alarms as long (10 frames), large (100 px) and sure (score 0.8) as "
-        "most of its matches, x has 0: more than chance."
+        "the upper three quarters of its matches, x has 0: more than chance."
     )
     assert "whom x does not detect" in finding.advice
     entries = finding_entries(made, [finding])
