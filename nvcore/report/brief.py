@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from nvcore.common.findings import Finding, Severity
-from nvcore.common.wording import one_line, shortened
+from nvcore.common.wording import UNDEFINED, one_line, shortened
 from nvcore.comparison.compare import Result
 from nvcore.report.plan import planned_verdict
 from nvcore.report.terminal import (
@@ -19,15 +19,15 @@ from nvcore.report.terminal import (
     moment_lines,
     table_lines,
 )
-from nvcore.report.verdict import Verdict
+from nvcore.report.verdict import HOW_SURE, Verdict
 from nvcore.report.words import score_cells
 from nvcore.tables.scorecard import LEADING, pick_rows, score_rows
 
 MOST_LINES: Final = 35
 MOST_FINDINGS: Final = 3
 """Maximum number of shown errors and warnings of the audit. Others are counted."""
-FULL_ONLY: Final = ("Operating points", "Question", "Other measures")
-"""Topics of the verdict that are omitted, as heading and scorecard cover most of them."""
+FULL_ONLY: Final = ("Operating points", "Question", "Other measures", HOW_SURE)
+"""Topics of the verdict that are omitted: heading, scorecard and headline cover most of them."""
 
 
 def render_brief(
@@ -40,8 +40,9 @@ def render_brief(
 ) -> str:
     """Return audit, main measures, verdict and moments to look at, short enough for one screen.
 
-    Table, headline and the worst finding are always shown. Operating points, remarks on measures,
-    other findings, moments and topics of the verdict follow if there is room, in this order.
+    Table, headline, how sure it is and the worst finding are always shown. Operating points,
+    remarks on measures, other findings, moments and topics of the verdict follow if there is room,
+    in this order.
 
     Parameters
     ----------
@@ -69,6 +70,9 @@ def render_brief(
         longest = max(len(label) for label, *_ in cells) - excess
         table = table_lines(result, [(shortened(label, longest), *of) for label, *of in cells])
     decision = fold(f"In short: {conclusion.say(conclusion.headline)}")
+    how_sure = dict(conclusion.topics).get(HOW_SURE, UNDEFINED)
+    if not how_sure.startswith(UNDEFINED):
+        decision += fold(f"  {HOW_SURE}: {how_sure}")
     moments: list[str] = []
     blocks = [audit, heading, table, decision, moments, [*next_steps]]
     room = most_lines - sum(len(block) + 1 for block in blocks if block) + 1

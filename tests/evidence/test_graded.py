@@ -128,7 +128,7 @@ def test_the_verdict_says_it_at_equal_false_alarms():
     ids=["units", "scores", "none", "one"],
 )
 def test_it_says_why_there_is_none(result: Result, why: str):
-    assert said(result).startswith(f"– of 100 that X or Y misses fewer encounters: {why}")
+    assert said(result).startswith(f"– (no probability that X or Y misses fewer encounters): {why}")
 
 
 def test_the_bench_counts_right_statements_by_band():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from pathlib import Path
@@ -235,3 +236,15 @@ def test_a_recording_that_may_not_be_read_is_not_passed_over(
     monkeypatch.setattr(os, "stat", deny)
     with pytest.raises(InputError, match=r"drives/A.*\(Permission denied\)"):
         names(tmp_path, "drives")
+
+
+def test_a_path_without_a_file_of_the_format_is_named(tmp_path: Path):
+    (tmp_path / "truth.json").write_text(json.dumps({"images": [], "annotations": []}))
+    labels = tmp_path / "labels"
+    labels.mkdir()
+    (labels / "a_000001.txt").write_text("0 0.5 0.5 0.1 0.2\n")
+    with pytest.raises(InputError, match="files of one source have one format") as caught:
+        find_files(Source(("truth.json", "labels")), tmp_path, "truth")
+    assert caught.value.file == "labels"
+    files, _ = find_files(Source(("truth.json",)), tmp_path, "truth")
+    assert [file.path.name for file in files] == ["truth.json"]

@@ -8,7 +8,7 @@ import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from itertools import takewhile
+from itertools import chain, takewhile
 from pathlib import Path
 from typing import Final
 
@@ -48,12 +48,14 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
     Raises
     ------
     InputError
-        If there are no files, or the ground truth is empty.
+        If there are no files, the ground truth is empty, or none of a path's files is of the
+        format.
     UnknownFormatError
         If the format cannot be recognised.
     """
     declared = None if source.format is None else format_named(source.format)
-    expanded = [file for text in source.path for file in _expand(text, folder, role, declared)]
+    by_path = {text: _expand(text, folder, role, declared) for text in source.path}
+    expanded = list(chain(*by_path.values()))
     for file in expanded:
         _check_name(file.path)
     files = list({file.path: file for file in expanded}.values())
@@ -84,6 +86,15 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
         for file in files
         if file.path in stated or suffix_of(file.path) in file_format.suffixes
     ]
+    read = {file.path for file in readable}
+    for text, of_path in by_path.items():
+        paths = {file.path for file in of_path} & {file.path for file in files}
+        if read and paths and not read & paths:
+            raise InputError(
+                f"no file is read: the others are {file_format.title}, and files of one source "
+                "have one format",
+                file=text,
+            )
     return readable or files, file_format
 
 

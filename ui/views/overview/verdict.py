@@ -10,7 +10,9 @@ import streamlit as st
 from nvcore.common.findings import Finding
 from nvcore.common.wording import count_text, percent
 from nvcore.comparison.compare import Result
+from nvcore.evidence.claims import decided_on
 from nvcore.evidence.companions import Companions
+from nvcore.evidence.operating_points import are_delivered
 from nvcore.notes import Note
 from nvcore.report.tiles import tiles
 from nvcore.report.verdict import HOW_SURE, verdict
@@ -65,7 +67,8 @@ class VerdictBox:
         """Draw the verdict, what it depends on, and how much more data it would take."""
         result = self._result
         conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
-        reasons = " ".join([conclusion.reason, *map(state.say, leads(result))])
+        about, _ = decided_on(result, evidence, companions)
+        reasons = " ".join([conclusion.reason, *map(state.say, leads(about))])
         words = plain(conclusion.in_short), plain(reasons)
         self._words = self._words.markdown("## {}\n\n{}".format(*words))
         store.SHOWN_VERDICT.set(state.opened().dataset.fingerprint)
@@ -77,7 +80,9 @@ class VerdictBox:
         with self._basis.container():
             for point in conclusion.points:
                 if point.topic == HOW_SURE:
-                    st.markdown(plain(conclusion.say(*point.notes)), help=_meaning(companions))
+                    st.markdown(
+                        plain(conclusion.say(*point.notes)), help=_meaning(result, companions)
+                    )
             st.caption(_short_extent(result))
             for point in conclusion.points:
                 if point.is_warning:
@@ -96,12 +101,13 @@ class VerdictBox:
                 st.caption(note)
 
 
-def _meaning(companions: Companions | None) -> str | None:
+def _meaning(result: Result, companions: Companions | None) -> str | None:
     """Return what the probability is of, None if there is none."""
     graded = None if companions is None else companions.graded
     if graded is None or graded.reason:
         return None
-    return state.say(Note("verdict.graded_means", **counts_of(graded)))
+    values = {"is_delivered": are_delivered(result), **counts_of(graded)}
+    return state.say(Note("verdict.graded_means", **values))
 
 
 def _draw_doubt(doubt: str) -> None:
