@@ -409,46 +409,78 @@ def _share_text(claims: list[dict[str, str]], *, is_null: bool) -> str:
     return f"{share.share:.1%} ({100 * share.low:.1f} to {100 * share.high:.1f})"
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+def study_parser(doc: str | None) -> argparse.ArgumentParser:
+    """Return a parser with the options of all simulated studies."""
+    parser = argparse.ArgumentParser(description=doc)
     parser.add_argument("--keep", type=Path, required=True)
-    parser.add_argument("--null", type=int, default=1000, help="verdicts without a difference")
-    parser.add_argument("--power", type=int, default=300, help="verdicts with one")
     parser.add_argument("--processes", type=int, default=os.cpu_count())
     parser.add_argument("--write", action="store_true")
-    options = parser.parse_args()
+    return parser
+
+
+def run_studies(
+    options: argparse.Namespace,
+    key: tuple[str, ...],
+    make: Callable[[Any], list[dict[str, Any]]],
+    find_tasks: Callable[[set[Any]], Iterable[Any]],
+) -> list[dict[str, Any]]:
+    """Make the rows of the missing tasks in processes, keep each in the file, return all rows.
+
+    Parameters
+    ----------
+    key
+        Fields by which a row is known. Rows that are there already are not kept twice.
+    find_tasks
+        Function that returns the missing tasks, given the keys of the rows that are there.
+    """
+
+    def key_of(row: Mapping[str, Any]) -> tuple[Any, ...]:
+        return tuple(row[name] for name in key)
+
     rows = read_rows(options.keep)
-    done = {(row["scenario"], row["n"], row["pair"]) for row in rows}
+    done = {key_of(row) for row in rows}
     os.environ["OPENBLAS_NUM_THREADS"] = "1"  # for the child processes, which share the processors
     with (
         options.keep.open("a", encoding="utf-8") as file,
         ProcessPoolExecutor(options.processes, get_context("spawn")) as pool,
     ):
-        waiting = [
-            pool.submit(make_rows, task) for task in tasks(options.null, options.power, done)
-        ]
+        waiting = [pool.submit(make, task) for task in find_tasks(done)]
         for number, future in enumerate(as_completed(waiting), start=1):
-            made = [
-                row
-                for row in future.result()
-                if (row["scenario"], row["n"], row["pair"]) not in done
-            ]
+            made = [row for row in future.result() if key_of(row) not in done]
             rows += made
             file.writelines(json.dumps(row) + "\n" for row in made)
             file.flush()
             print(f"\r{number} of {len(waiting)}", end="", file=sys.stderr, flush=True)
+    return rows
+
+
+def write_block(begin: str, end: str, text: str) -> None:
+    """Replace the text between two lines of docs/significance.md."""
+    before, rest = PAGE.read_text(encoding="utf-8").split(begin)
+    _, after = rest.split(end)
+    PAGE.write_text(f"{before}{begin}\n{text}\n{end}{after}", encoding="utf-8")
+
+
+def main() -> None:
+    parser = study_parser(__doc__)
+    parser.add_argument("--null", type=int, default=1000, help="verdicts without a difference")
+    parser.add_argument("--power", type=int, default=300, help="verdicts with one")
+    options = parser.parse_args()
+    rows = run_studies(
+        options,
+        ("scenario", "n", "pair"),
+        make_rows,
+        lambda done: tasks(options.null, options.power, done),
+    )
     text = table_text(rows)
     print(text)
     if options.write:
-        page = PAGE.read_text(encoding="utf-8")
-        before, rest = page.split(BEGIN)
-        _, after = rest.split(END)
         null, power = (_n_text(rows, is_null=is_null) for is_null in (True, False))
         note = (
             f"{null} verdicts in each cell without a difference, {power} in each with one: share "
             "that claim any, or one for Y, with its 95 % interval."
         )
-        PAGE.write_text(f"{before}{BEGIN}\n{note}\n\n{text}\n{END}{after}", encoding="utf-8")
+        write_block(BEGIN, END, f"{note}\n\n{text}")
 
 
 if __name__ == "__main__":

@@ -10,29 +10,23 @@ of ROWS.jsonl. `--write` puts the tables, with 95 % Wilson intervals, into docs/
 
 from __future__ import annotations
 
-import argparse
-import json
-import os
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
-from multiprocessing import get_context
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from bench.claims import (
-    PAGE,
     SCENARIOS,
     SEED,
     draw_dataset,
     logistic,
     place_systems,
-    read_rows,
+    run_studies,
+    study_parser,
     varying,
+    write_block,
 )
 from bench.drives import draw_drives
 from nvcore.comparison.compare import compare
@@ -189,33 +183,17 @@ def _test_text(rows: list[Mapping[str, Any]], name: str, n: int, *, is_null: boo
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--keep", type=Path, required=True)
+    parser = study_parser(__doc__)
     parser.add_argument("--studies", type=int, default=2000, help="studies of each kind and size")
-    parser.add_argument("--processes", type=int, default=os.cpu_count())
-    parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
-    rows = read_rows(options.keep)
-    done = {(row["kind"], row["name"], row["n"], row["study"]) for row in rows}
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # for the child processes, which share the processors
-    with (
-        options.keep.open("a", encoding="utf-8") as file,
-        ProcessPoolExecutor(options.processes, get_context("spawn")) as pool,
-    ):
-        waiting = [pool.submit(make_rows, task) for task in tasks(options.studies, done)]
-        for number, future in enumerate(as_completed(waiting), start=1):
-            rows += future.result()
-            file.writelines(json.dumps(row) + "\n" for row in future.result())
-            file.flush()
-            print(f"\r{number} of {len(waiting)}", end="", file=sys.stderr, flush=True)
+    key = ("kind", "name", "n", "study")
+    rows = run_studies(options, key, make_rows, lambda done: tasks(options.studies, done))
     text = table_text(rows)
     print(text)
     if options.write:
-        before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-        _, after = rest.split(END)
         of_cell = Counter((row["kind"], row["name"], row["n"]) for row in rows).values()
         note = f"{min(of_cell):,} to {max(of_cell):,} studies of each kind and size."
-        PAGE.write_text(f"{before}{BEGIN}\n{note}\n\n{text}\n{END}{after}", encoding="utf-8")
+        write_block(BEGIN, END, f"{note}\n\n{text}")
 
 
 if __name__ == "__main__":

@@ -11,23 +11,15 @@ replacement, as the plan assumes. Rows are kept as in `bench.claims`.
 
 from __future__ import annotations
 
-import argparse
-import json
-import os
-import sys
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 from functools import cache
-from multiprocessing import get_context
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from bench.claims import (
-    PAGE,
     ROOT,
     SCENARIOS,
     SEED,
@@ -36,7 +28,9 @@ from bench.claims import (
     draw_dataset,
     fewer_misses,
     judge,
-    read_rows,
+    run_studies,
+    study_parser,
+    write_block,
 )
 from nvcore.common.arguments.plan import PlanArguments
 from nvcore.comparison.compare import compare
@@ -149,38 +143,23 @@ def table_text(rows: Iterable[Mapping[str, Any]]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--keep", type=Path, required=True)
+    parser = study_parser(__doc__)
     parser.add_argument("--studies", type=int, default=1000)
     parser.add_argument("--plans", nargs="*", choices=PLANS, default=list(PLANS))
-    parser.add_argument("--processes", type=int, default=os.cpu_count())
-    parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
-    rows = read_rows(options.keep)
-    done = {(row["plan"], row["study"]) for row in rows}
-    tasks = [
-        (name, first, min(first + CHUNK, options.studies))
-        for name in options.plans
-        for first in range(0, options.studies, CHUNK)
-        if (name, first) not in done
-    ]
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # for the child processes, which share the processors
-    with (
-        options.keep.open("a", encoding="utf-8") as file,
-        ProcessPoolExecutor(options.processes, get_context("spawn")) as pool,
-    ):
-        for number, future in enumerate(as_completed([pool.submit(make_rows, of) for of in tasks])):
-            rows += future.result()
-            file.writelines(json.dumps(row) + "\n" for row in future.result())
-            file.flush()
-            print(f"\r{number + 1} of {len(tasks)}", end="", file=sys.stderr, flush=True)
-    text = table_text(rows)
+
+    def find_tasks(done: set[tuple[str, int]]) -> list[tuple[str, int, int]]:
+        return [
+            (name, first, min(first + CHUNK, options.studies))
+            for name in options.plans
+            for first in range(0, options.studies, CHUNK)
+            if (name, first) not in done
+        ]
+
+    text = table_text(run_studies(options, ("plan", "study"), make_rows, find_tasks))
     print(text)
     if options.write:
-        page = PAGE.read_text(encoding="utf-8")
-        before, rest = page.split(BEGIN)
-        _, after = rest.split(END)
-        PAGE.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
+        write_block(BEGIN, END, text)
 
 
 if __name__ == "__main__":

@@ -158,10 +158,7 @@ def find_within(
             clearness[key] = abs(apart) / to_zero if to_zero > 0 else np.inf
             claims[key] = Claim(key, winner, np.nan, n)
     equal, strict = companions.equal, companions.strict
-    withheld = set()
-    if equal is None:
-        rule = _worse_alarms if are_delivered(result) else _not_dominant
-        withheld = set(rule(result, claims))
+    withheld = set(_not_dominant(result, claims)) if equal is None else set()
     if equal is not None:
         withheld |= {key for key in claims if measure_of(key).of and is_turned(key, result, equal)}
     withheld |= {key for key in claims if is_turned_strictly(key, result, strict)}
@@ -214,8 +211,6 @@ def _not_confirmed(
     result: Result, candidates: Mapping[str, Claim], companions: Companions
 ) -> dict[str, Note]:
     """Return why candidate claims fail at equal false alarms, by measure key."""
-    if are_delivered(result):
-        return _worse_alarms(result, candidates)
     if companions.evidence is None:
         return _not_dominant(result, candidates)
     confirmed = _candidates(result, _significant_rows(companions.evidence))
@@ -229,14 +224,20 @@ def _not_confirmed(
 def _worse_alarms(result: Result, candidates: Mapping[str, Claim]) -> dict[str, Note]:
     """Return why claims fail for delivered thresholds: the better system may alarm more."""
     note, units = Note("verdict.worse_alarms", margin=ALARM_MARGIN), find_units(result)
-    n_matched = {letter: int(system.matched.sum()) for letter, system in result.sides}
+    is_worse = {of: alarm_ratio_limit(result, units, of) > ALARM_MARGIN for of in "xy"}
     reasons = {}
     for key, claim in candidates.items():
-        if key == FALSE_ALERTS and n_matched[claim.winner] < max(n_matched.values()):
-            reasons[key] = Note("verdict.fewer_matches", winner=claim.winner)
-        if alarm_ratio_limit(result, units, claim.winner) > ALARM_MARGIN:
+        if is_worse[claim.winner]:
             reasons[key] = note
+        elif key == FALSE_ALERTS and _matches_fewer(result, claim.winner):
+            reasons[key] = Note("verdict.fewer_matches", winner=claim.winner)
     return reasons
+
+
+def _matches_fewer(result: Result, letter: str) -> bool:
+    """Return whether a system matches fewer boxes than the other one."""
+    n_matched = [int(system.matched.sum()) for _, system in result.sides]
+    return n_matched["xy".index(letter)] < max(n_matched)
 
 
 def alarm_ratio_limit(result: Result, units: Units, of: str) -> float:
@@ -246,7 +247,7 @@ def alarm_ratio_limit(result: Result, units: Units, of: str) -> float:
     Student's t. Infinite if the other system has none; 0 if neither has any.
     """
     own, other = (
-        np.bincount(units.unit_of_frame, result.system(letter).false_alarms, len(units))
+        units.total(units.unit_of_frame, result.system(letter).false_alarms)
         for letter in (of, "y" if of == "x" else "x")
     )
     n, n_own, n_other = len(units), float(own.sum()), float(other.sum())
@@ -260,14 +261,15 @@ def alarm_ratio_limit(result: Result, units: Units, of: str) -> float:
 
 def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, Note]:
     """Return reasons against claims that an unequal operating point may explain, by measure key."""
+    if are_delivered(result):
+        return _worse_alarms(result, candidates)
     reasons = {}
     n_alarms = {letter: count_alarms(system) for letter, system in result.sides}
-    n_matched = {letter: int(system.matched.sum()) for letter, system in result.sides}
     can_move = any(has_scores(result, letter) for letter in n_alarms)
     for key, claim in candidates.items():
         winner, other = claim.winner, "y" if claim.winner == "x" else "x"
         if key == FALSE_ALERTS:
-            of, is_owed = "matches", n_matched[winner] < n_matched[other]
+            of, is_owed = "matches", _matches_fewer(result, winner)
         else:
             of, is_owed = "alarms", n_alarms[winner] > n_alarms[other]
         if is_owed:

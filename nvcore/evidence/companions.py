@@ -340,10 +340,7 @@ class AlarmsApart:
 
 
 def _alarms_apart(equal: Result, units: Units) -> AlarmsApart:
-    x, y = (
-        np.bincount(units.unit_of_frame, system.false_alarms, len(units))
-        for _, system in equal.sides
-    )
+    x, y = (units.total(units.unit_of_frame, system.false_alarms) for _, system in equal.sides)
     n_target = count_alarms(equal.system("y" if moved_of(equal) == "x" else "x"))
     error = float(np.sqrt(((x - y) ** 2).sum())) / n_target if n_target else np.inf
     return AlarmsApart(x - y, float(x.sum() + y.sum()), n_target, error)

@@ -70,7 +70,8 @@ def render_brief(
         longest = max(len(label) for label, *_ in cells) - excess
         table = table_lines(result, [(shortened(label, longest), *of) for label, *of in cells])
     decision = fold(f"In short: {conclusion.say(conclusion.headline)}")
-    how_sure = dict(conclusion.topics).get(HOW_SURE, UNDEFINED)
+    topics = conclusion.topics
+    how_sure = dict(topics).get(HOW_SURE, UNDEFINED)
     if not how_sure.startswith(UNDEFINED):
         decision += fold(f"  {HOW_SURE}: {how_sure}")
     moments: list[str] = []
@@ -81,10 +82,7 @@ def render_brief(
         (table, [fold(note) for note in measure_notes(result)]),
         (audit, of_audit),
         (moments, moment_lines(result)),
-        (
-            decision,
-            [fold(f"  {of}: {text}") for of, text in conclusion.topics if of not in FULL_ONLY],
-        ),
+        (decision, [fold(f"  {of}: {text}") for of, text in topics if of not in FULL_ONLY]),
     ):
         for lines in optional:
             needed = len(lines) + (not block)  # an empty line goes before a new block
