@@ -8,7 +8,7 @@ import subprocess
 import pytest
 from app_server import serving
 from driver_trials import write_trials
-from installed import Installed, install
+from installed import LOOP, Installed, install
 from places import ROOT
 
 MISSING = "more packages: pip install 'nvcore"
@@ -35,6 +35,10 @@ def test_the_wheel_has_the_whole_dashboard(wheel: Installed):
         assert pairs
         for path, installed in pairs:
             assert installed.read_bytes() == path.read_bytes(), installed
+
+
+def test_the_wheel_has_the_machine_code_made_for_it(wheel: Installed):
+    assert (wheel.site / "nvcore" / "metrics" / "kernels" / "machine_code" / LOOP).exists()
 
 
 @pytest.mark.parametrize(

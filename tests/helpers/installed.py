@@ -18,6 +18,8 @@ from packaging.requirements import Requirement
 from places import ROOT
 
 SCRIPTS = "Scripts" if os.name == "nt" else "bin"
+LOOP = "loop.nbi"
+"""File that stands for the machine code of a release."""
 
 
 @dataclass(frozen=True)
@@ -73,8 +75,10 @@ class Installed:
 
 def install(folder: Path) -> Installed:
     """Build the wheel and install it; needs no network."""
+    (code := folder / "code").mkdir()
+    (code / LOOP).write_bytes(b"")
     build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
-    _do(build, ROOT)
+    _do(build, ROOT, NVCORE_MACHINE_CODE=str(code))
     _do([sys.executable, "-m", "venv", "--without-pip", str(folder)], folder)
     python = folder / SCRIPTS / "python"
     into = [sys.executable, "-m", "pip", "--python", str(python), "install", "--no-index"]
@@ -83,8 +87,10 @@ def install(folder: Path) -> Installed:
     return Installed(folder, Path(_do(where, folder).strip()))
 
 
-def _do(command: list[str], cwd: Path) -> str:
-    done = subprocess.run(command, capture_output=True, text=True, cwd=cwd)
+def _do(command: list[str], cwd: Path, **environment: str) -> str:
+    done = subprocess.run(
+        command, capture_output=True, text=True, cwd=cwd, env=os.environ | environment
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
