@@ -20,6 +20,7 @@ from nvcore.auditing import audit
 from nvcore.comparison.compare import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
+from nvcore.evidence import bootstrap
 from nvcore.evidence.table import judge_both
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.settings.params import Params
@@ -84,6 +85,8 @@ def main() -> None:
         """Run everything from the dataset to the verdict."""
         result = analyse()
         dataset.__dict__.pop("copies", None)  # also recomputed
+        bootstrap._remembered.cache_clear()
+        bootstrap._kept_counts.cache_clear()
         evidence, companions = judge_both(result)
         return verdict(result, audit(dataset), evidence=evidence, companions=companions)
 

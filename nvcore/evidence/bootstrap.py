@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Final
@@ -37,6 +36,8 @@ ROUNDING: Final = 1e-12
 
 KEPT_BYTES: Final = 65_536
 """Largest size of units whose interval is cached."""
+KEPT_COUNTS: Final = 4_000_000
+"""Largest number of counts, resamples times units, that is cached (32 MB)."""
 Statistic = Callable[[np.ndarray], np.ndarray]
 """Function that computes a measure from sums over units: shape (..., *columns) to shape (...)."""
 
@@ -176,61 +177,65 @@ def _resample(
         return without(f"X and Y are the same in all {units}")
 
     sums_of_units = np.concatenate([x.reshape(n, -1), y.reshape(n, -1)], axis=1).astype(float)
-    n_columns = sums_of_units.shape[1] // 2
     taken_off = np.zeros(n) if shift is None else shift / n
     grain = ROUNDING * max(abs(value_x), abs(value_y))
 
-    def of_units(units: np.ndarray, axis: int = -1) -> np.ndarray:  # noqa: ARG001
-        counts = count_units(units, n)
+    def of_counts(counts: np.ndarray) -> np.ndarray:
         sums = counts @ sums_of_units
-        sums_x, sums_y = sums[..., :n_columns], sums[..., n_columns:]
-        lead = sums.shape[:-1]
-        apart = statistic(sums_x.reshape(*lead, *shape)) - statistic(sums_y.reshape(*lead, *shape))
+        sums_x, sums_y = (half.reshape(len(half), *shape) for half in np.split(sums, 2, axis=1))
+        apart = statistic(sums_x) - statistic(sums_y)
         # BCa counts draws below the difference found, so draws equal to it must be equal everywhere
-        return grain * np.round((apart - counts @ taken_off) / grain)
+        rounded: np.ndarray = grain * np.round((apart - counts @ taken_off) / grain)
+        return rounded
 
-    options: dict[str, Any] = {
-        "vectorized": True,
-        "confidence_level": 1 - 2 * expanded_tail(n),
-        "batch": max(1, ROWS_AT_ONCE // n),
-    }
-    with warnings.catch_warnings():  # where BCa fails is handled below
-        warnings.simplefilter("ignore", scipy.stats.DegenerateDataWarning)
-        warnings.simplefilter("ignore", RuntimeWarning)
-        samples = scipy.stats.bootstrap(
-            (np.arange(n),),
-            of_units,
-            n_resamples=n_resamples,
-            method="BCa",
-            rng=np.random.default_rng(seed),
-            **options,
-        )
-    differences = samples.bootstrap_distribution
-    if not np.isfinite(differences).all():
+    with np.errstate(invalid="ignore", divide="ignore"):
+        draws = np.concatenate(list(map(of_counts, draw_counts(n, n_resamples, seed))))
+    if not np.isfinite(draws).all():
         return without(
             "the measure is undefined in some resamples: too few units have a part in it"
         )
-    if np.ptp(differences) <= ROUNDING * max(abs(value_x), abs(value_y)):
+    if np.ptp(draws) <= ROUNDING * max(abs(value_x), abs(value_y)):
         return without(f"X and Y differ by the same in all {units}: there is nothing to resample")
-    interval, method = samples.confidence_interval, "BCa bootstrap"
-    if not np.isfinite([interval.low, interval.high]).all():
-        method = "percentile bootstrap"
-        interval = scipy.stats.bootstrap(
-            (np.arange(n),),
-            of_units,
-            n_resamples=0,
-            method="percentile",
-            bootstrap_result=samples,
-            **options,
-        ).confidence_interval
-    return BootstrapDifference(
-        **values,
-        **choices,
-        low=float(interval.low),
-        high=float(interval.high),
-        method=method,
-        reason="",
-    )
+    tails = expanded_tail(n) * np.array([1, -1]) + [0, 1]
+    left_out = np.concatenate([of_counts(rows) for rows in _leave_one_out(n)])
+    levels, method = _bca(draws, of_counts(np.ones((1, n)))[0], left_out, tails), "BCa bootstrap"
+    if not np.isfinite(levels).all():
+        levels, method = tails, "percentile bootstrap"
+    low, high = np.quantile(draws, levels).tolist()
+    return BootstrapDifference(**values, **choices, low=low, high=high, method=method, reason="")
+
+
+def _bca(draws: np.ndarray, found: float, left_out: np.ndarray, tails: np.ndarray) -> np.ndarray:
+    """Return the levels of the draws at which a BCa interval ends, NaN if there are none.
+
+    Parameters
+    ----------
+    draws
+        The measure in each resample.
+    found, left_out
+        The measure of all units, and without each of them.
+    tails
+        Levels of a percentile interval.
+
+    References
+    ----------
+    Efron and Tibshirani (1993), An introduction to the bootstrap, equations 14.9 to 14.15.
+    """
+    n = len(left_out)
+    bias = scipy.special.ndtri(((draws < found).mean() + (draws <= found).mean()) / 2)
+    apart = (n - 1) * (left_out.mean() - left_out)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        acceleration = (apart**3).sum() / (apart**2).sum() ** 1.5 / 6
+        from_bias = bias + scipy.special.ndtri(tails)
+        levels: np.ndarray = scipy.special.ndtr(bias + from_bias / (1 - acceleration * from_bias))
+    return levels
+
+
+def _leave_one_out(n: int) -> Iterator[np.ndarray]:
+    """Yield rows of counts that lack one unit each, as many as memory allows at a time."""
+    batch = max(1, ROWS_AT_ONCE // n)
+    for start in range(0, n, batch):
+        yield 1.0 - np.eye(min(batch, n - start), n, start)
 
 
 def expanded_tail(n: int) -> float:
@@ -318,12 +323,8 @@ def studentised_tests(
     shares = is_part[:, is_tested] / n_parts[is_tested]
     moments = np.concatenate([deviations * shares, deviations**2 * shares], axis=1)
     is_whole = bool(is_part.all())
-    rng = np.random.default_rng(seed)
-    batch = max(1, ROWS_AT_ONCE // max(n, 1))
     t = []
-    for start in range(0, n_resamples if n_tested else 0, batch):  # batches bound the memory
-        drawn = rng.integers(0, n, size=(min(batch, n_resamples - start), n))
-        counts = count_units(drawn, n)
+    for counts in draw_counts(n, n_resamples, seed) if n_tested else ():
         mean, square = np.split(counts @ moments, 2, axis=1)
         # parts drawn, of those there are
         drawn_share = 1.0 if is_whole else np.maximum(counts @ shares, 1e-9)
@@ -341,6 +342,28 @@ def studentised_tests(
         p = min(1.0, 2 * (n_reached + 1) / (n_resamples + 1))
         tests.append(StudentisedTest(p, of_measure))
     return tests
+
+
+def draw_counts(n: int, n_resamples: int, seed: int) -> Iterable[np.ndarray]:
+    """Return how often each of n units is in each resample, in batches that bound the memory.
+
+    Each is float64, shape (<= n_resamples, n). All measures of the same units are resampled alike,
+    so small ones are cached.
+    """
+    if n * n_resamples <= KEPT_COUNTS:
+        return _kept_counts(n, n_resamples, seed)
+    return _draw_counts(n, n_resamples, seed)
+
+
+@lru_cache(maxsize=2)
+def _kept_counts(n: int, n_resamples: int, seed: int) -> tuple[np.ndarray, ...]:
+    return tuple(_draw_counts(n, n_resamples, seed))
+
+
+def _draw_counts(n: int, n_resamples: int, seed: int) -> Iterator[np.ndarray]:
+    rng, batch = np.random.default_rng(seed), max(1, ROWS_AT_ONCE // n)
+    for start in range(0, n_resamples, batch):
+        yield count_units(rng.integers(0, n, size=(min(batch, n_resamples - start), n)), n)
 
 
 def count_units(units: np.ndarray, n: int) -> np.ndarray:

@@ -99,12 +99,9 @@ def mcnemar(venn: Venn) -> McNemar:
             f"{MIN_DISCORDANT} are needed"
         )
     if split:
-        interval = scipy.stats.binomtest(venn.x_only, split).proportion_ci(
-            CONFIDENCE, method="exact"
-        )
         odds, odds_low, odds_high = (
             share / (1 - share) if share < 1 else np.inf
-            for share in (venn.x_only / split, float(interval.low), float(interval.high))
+            for share in (venn.x_only / split, *_clopper_pearson(venn.x_only, split))
         )
     return McNemar(
         x_only=venn.x_only,
@@ -121,6 +118,14 @@ def mcnemar(venn: Venn) -> McNemar:
         odds_high=odds_high,
         reason="; ".join(reasons),
     )
+
+
+def _clopper_pearson(k: int, n: int) -> tuple[float, float]:
+    """Return the exact interval of a share, from k of n."""
+    tail = (1 - CONFIDENCE) / 2
+    low = scipy.special.betaincinv(k, n - k + 1, tail) if k else 0.0
+    high = scipy.special.betaincinv(k + 1, n - k, 1 - tail) if k < n else 1.0
+    return float(low), float(high)
 
 
 def _newcombe(venn: Venn) -> tuple[float, float]:

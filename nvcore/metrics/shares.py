@@ -46,5 +46,8 @@ def share_of(n_right: int, n: int) -> Share:
     """
     if not n:
         return Share(0, 0, np.nan, np.nan, np.nan)
-    ends = scipy.stats.binomtest(n_right, n).proportion_ci(CONFIDENCE, method="wilson")
-    return Share(n_right, n, n_right / n, float(ends.low), float(ends.high))
+    z2 = scipy.special.ndtri((1 + CONFIDENCE) / 2) ** 2
+    middle, half = n_right + z2 / 2, np.sqrt(z2 * (n_right * (n - n_right) / n + z2 / 4))
+    low = (middle - half) / (n + z2) if n_right else 0.0
+    high = (middle + half) / (n + z2) if n_right < n else 1.0
+    return Share(n_right, n, n_right / n, float(low), float(high))

@@ -93,9 +93,12 @@ def label_words(result: Result, units: str = "") -> dict[str, Any]:
     units
         Resampled units: ``recordings`` or ``blocks``.
     """
-    counts = {name: int(members(result).sum()) for name, members in counted().items()}
-    counts |= {"n_near": result.venn.n_near, "n_boxes": int(result.n_truth.sum())}
-    return words_of(result.params, counts, units)
+
+    def count() -> dict[str, int]:
+        counts = {name: int(members(result).sum()) for name, members in counted().items()}
+        return counts | {"n_near": result.venn.n_near, "n_boxes": int(result.n_truth.sum())}
+
+    return words_of(result.params, result.keep("label_counts", count), units)
 
 
 def words_of(params: Params, counts: Mapping[str, int], units: str) -> dict[str, Any]:
