@@ -348,13 +348,10 @@ def _paired(
         Boxes that take part, bool; None: all.
     """
     partner = np.full(len(x), -1, np.int64)
-    over_ranges(
-        pair_frames,
-        len(x.offsets) - 1,
-        *(x.offsets, x.x, x.y, x.w, x.h, np.ones(len(x), bool) if in_x is None else in_x),
-        *(y.offsets, y.x, y.y, y.w, y.h, np.ones(len(y), bool) if in_y is None else in_y),
-        *(least_iou, partner),
-    )
+    in_x = np.ones(len(x), bool) if in_x is None else in_x
+    in_y = np.ones(len(y), bool) if in_y is None else in_y
+    pairs = x.arrays, in_x, y.arrays, in_y
+    over_ranges(pair_frames, len(x.offsets) - 1, *pairs, least_iou, partner)
     return np.flatnonzero(partner >= 0)
 
 

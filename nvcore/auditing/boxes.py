@@ -219,9 +219,5 @@ def repeated_rows(boxes: BoxColumns) -> np.ndarray:
         table = pd.DataFrame(dict(zip("fxywh", (boxes.frame_index, *boxes.xywh), strict=True)))
         return np.flatnonzero(table.duplicated())
     is_repeat = np.zeros(len(boxes), bool)
-    over_ranges(
-        mark_repeats,
-        len(boxes.offsets) - 1,
-        *(boxes.offsets, boxes.x, boxes.y, boxes.w, boxes.h, is_repeat),
-    )
+    over_ranges(mark_repeats, len(boxes.offsets) - 1, boxes.arrays, is_repeat)
     return np.flatnonzero(is_repeat)

@@ -289,8 +289,9 @@ class Trial:
         n = len(self.truth.score)
         iou, best = np.empty(n), np.empty(n, np.int64)
         of_frame = np.repeat(np.arange(len(key)), np.diff(self.truth.offsets))
-        moves = map(float, (*transform.scale, *transform.offset_px))
-        best_overlaps(of_frame, *self.truth.box, lo, hi, *system.box, *moves, iou, best)
+        (sx, sy), (ox, oy) = transform.scale, transform.offset_px
+        scale, offset_px = (float(sx), float(sy)), (float(ox), float(oy))
+        best_overlaps(of_frame, self.truth.box, lo, hi, system.box, scale, offset_px, iou, best)
         return iou, best, lo, hi
 
     def fit(self, transform: Transform) -> Fit:

@@ -61,6 +61,11 @@ class BoxColumns:
         return replace(self, **columns, offsets=n_before[self.offsets])
 
     @property
+    def arrays(self) -> BoxArrays:
+        """The arrays for compiled loops."""
+        return BoxArrays(*(getattr(self, name) for name in BoxArrays._fields))
+
+    @property
     def xywh(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """The four coordinates x, y, w, h, px."""
         return self.x, self.y, self.w, self.h
@@ -78,6 +83,22 @@ class BoxColumns:
         columns = {name: getattr(self, name)[rows] for name in BOX_COLUMNS}
         offsets = self.offsets[start : stop + 1] - rows.start
         return replace(self, **columns, offsets=offsets, first_row=self.first_row + rows.start)
+
+
+class BoxArrays(NamedTuple):
+    """Arrays of `BoxColumns` for compiled loops, which take tuples but no objects."""
+
+    offsets: np.ndarray
+    frame_index: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    w: np.ndarray
+    h: np.ndarray
+    score: np.ndarray
+    track: np.ndarray
+    ignore: np.ndarray
+    distance_m: np.ndarray
+    label: np.ndarray
 
 
 BOX_COLUMNS = tuple(spec.name for spec in fields(BoxColumns))[:-2]
@@ -132,9 +153,20 @@ class Detectability(NamedTuple):
     is_adapted: np.ndarray
 
 
+class FrameArrays(NamedTuple):
+    """Arrays of `FrameColumns` for compiled loops."""
+
+    recording: np.ndarray
+    frame: np.ndarray
+    gap: np.ndarray
+    width: np.ndarray
+    height: np.ndarray
+    fps: np.ndarray
+
+
 @dataclass(frozen=True)
 class FrameColumns:
-    """Properties of frames and recordings as arrays for compiled kernels.
+    """Properties of frames and recordings as arrays.
 
     Attributes
     ----------
@@ -166,6 +198,11 @@ class FrameColumns:
 
     def __len__(self) -> int:
         return len(self.frame)
+
+    @cached_property
+    def arrays(self) -> FrameArrays:
+        """The arrays for compiled loops."""
+        return FrameArrays(*(getattr(self, name) for name in FrameArrays._fields))
 
     def rows_of(self, recording: int) -> slice:
         """Return the slice of frames that belong to a recording."""

@@ -12,7 +12,12 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.columns import BoxColumns, FrameColumns
 from nvcore.dataset.schema import UNKNOWN_OCCLUSION, MissClass
 from nvcore.metrics.kernels import over_ranges
-from nvcore.metrics.kernels.encounters import encounter_frames, group_rows
+from nvcore.metrics.kernels.encounters import (
+    EncounterArrays,
+    EncounterMeasures,
+    encounter_frames,
+    group_rows,
+)
 from nvcore.metrics.linking import TruthTracks, track_truth
 from nvcore.settings.params import Params
 
@@ -76,6 +81,11 @@ class Encounters:
     aspect_ratio: np.ndarray
     aspect_z: np.ndarray
     occluded_share: np.ndarray
+
+    @property
+    def arrays(self) -> EncounterArrays:
+        """The truth rows for compiled loops."""
+        return EncounterArrays(self.offsets, self.order, self.frame_index)
 
     def __len__(self) -> int:
         return len(self.track)
@@ -222,16 +232,17 @@ def judge_encounters(
     ----------
     Paper 11-0360, figures 1 and 2; ``docs/metrics.md``, encounters.
     """
-    n = len(encounters)
-    n_relevant, n_matched = np.empty(n, np.int64), np.empty(n, np.int64)
-    peak_k, lag, gap, tail = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    measures = EncounterMeasures.empty(len(encounters))
     over_ranges(
         encounter_frames,
-        n,
-        *(encounters.offsets, encounters.order, encounters.frame_index),
-        *(frames.frame, frames.gap, k_truth, is_matched),
-        *(n_relevant, n_matched, peak_k, lag, gap, tail),
+        len(encounters),
+        encounters.arrays,
+        frames.arrays,
+        k_truth,
+        is_matched,
+        measures,
     )
+    n_relevant, n_matched, peak_k, lag, gap, tail = measures
     rate = frames.fps[encounters.recording]
     with np.errstate(invalid="ignore"):
         coverage = n_matched / n_relevant

@@ -35,13 +35,8 @@ def pair_detections(
         Detections that pass their own system's threshold; bool.
     """
     partner = np.full(len(x), -1, np.int64)
-    over_ranges(
-        pair_frames,
-        len(frames),
-        *(x.offsets, x.x, x.y, x.w, x.h, is_kept_x),
-        *(y.offsets, y.x, y.y, y.w, y.h, is_kept_y),
-        *(float(iou), partner),
-    )
+    pairs = x.arrays, is_kept_x, y.arrays, is_kept_y
+    over_ranges(pair_frames, len(frames), *pairs, float(iou), partner)
     return partner
 
 

@@ -46,10 +46,7 @@ def link_boxes(boxes: BoxColumns, frames: FrameColumns, rows: np.ndarray) -> np.
         Rows of `boxes`, increasing.
     """
     track = np.empty(len(rows), np.int64)
-    link_rows(
-        *(rows, boxes.frame_index, frames.recording, boxes.x, boxes.y, boxes.w, boxes.h),
-        *(LINK_IOU, LINK_GAP, track),
-    )
+    link_rows(rows, boxes.arrays, frames.recording, LINK_IOU, LINK_GAP, track)
     return track
 
 

@@ -10,7 +10,7 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.columns import BoxColumns, FrameColumns
 from nvcore.dataset.schema import DetectionState
 from nvcore.metrics.kernels import over_ranges
-from nvcore.metrics.kernels.frames import match_frames
+from nvcore.metrics.kernels.frames import MatchRule, match_frames
 from nvcore.settings.params import Params
 
 Boxes = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
@@ -118,16 +118,15 @@ def match_boxes(
     state = np.zeros(len(detections), np.int8)
     det_truth = np.full(len(detections), -1, np.int64)
     truth_det = np.full(len(truth), -1, np.int64)
-    over_ranges(
-        match_frames,
-        len(frames),
-        *(truth.offsets, truth.x, truth.y, truth.w, truth.h, truth.ignore),
-        *(detections.offsets, detections.x, detections.y, detections.w, detections.h),
-        *(detections.score, -np.inf if threshold is None else float(threshold)),
-        *(float(params.iou), params.match == "lateral", float(params.lateral_tolerance)),
-        *(truth.label, detections.label, params.match_class == "same"),
-        *(frames.recording, frames.width, state, det_truth, truth_det),
+    rule = MatchRule(
+        threshold=-np.inf if threshold is None else float(threshold),
+        lateral=params.match == "lateral",
+        min_iou=float(params.iou),
+        tolerance=float(params.lateral_tolerance),
+        same_label=params.match_class == "same",
     )
+    boxes, outputs = (truth.arrays, detections.arrays), (state, det_truth, truth_det)
+    over_ranges(match_frames, len(frames), *boxes, rule, frames.arrays, *outputs)
     return Matches(state, det_truth, truth_det)
 
 

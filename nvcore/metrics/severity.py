@@ -29,12 +29,7 @@ def cost_of_miss(
         Edge weight of each recording, 0 urban to 1 rural; float64, shape (n_recordings,).
     """
     cost = np.empty(len(truth))
-    over_ranges(
-        cost_frames,
-        len(frames),
-        *(truth.offsets, truth.x, truth.w, k_truth, edge_weight),
-        *(frames.recording, frames.width, cost),
-    )
+    over_ranges(cost_frames, len(frames), truth.arrays, k_truth, edge_weight, frames.arrays, cost)
     return cost
 
 

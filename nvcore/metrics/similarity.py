@@ -76,9 +76,8 @@ def find_nearest(
     over_ranges(
         nearest_frames,
         len(frames),
-        *(truth.offsets, truth.x, truth.y, truth.w, truth.h, ~truth.ignore),
-        *(detections.offsets, detections.x, detections.y, detections.w, detections.h, is_counted),
-        *(distance == "ground", frames.recording, frames.width, near_truth, near_detections),
+        *(truth.arrays, ~truth.ignore, detections.arrays, is_counted),
+        *(distance == "ground", frames.arrays, near_truth, near_detections),
     )
     return Nearest(near_truth, near_detections)
 
@@ -194,15 +193,15 @@ def measure_sets(
     over_ranges(
         maximin_frames,
         n_frames,
-        *(truth.offsets, truth.x, truth.w, k_truth, nearest.truth, ~truth.ignore),
+        *(truth.arrays, ~truth.ignore, k_truth, nearest.truth),
         *(truth.track if track is None else track, edge_weight),
-        *(frames.recording, frames.width, d_miss, salient_row),
+        *(frames.arrays, d_miss, salient_row),
     )
     over_ranges(
         maximum_frames,
         n_frames,
-        *(detections.offsets, detections.x, detections.w, k_detections, nearest.detections),
-        *(is_counted, edge_weight, frames.recording, frames.width, d_false),
+        *(detections.arrays, is_counted, k_detections, nearest.detections),
+        *(edge_weight, frames.arrays, d_false),
     )
     return SetDistances(d_miss, d_false, salient_row)
 
@@ -232,10 +231,11 @@ def salient_detection(
         Edge weight of each recording; float64, shape (n_recordings,).
     """
     d, argmax = np.empty(1), np.empty(1, np.int64)
+    boxes = detections.arrays._replace(offsets=detections.offsets[row : row + 2])
+    frame = frames.arrays._replace(recording=frames.recording[row : row + 1])
     maximin_frames(
-        *(0, 1, detections.offsets[row : row + 2], detections.x, detections.w, k_detections),
-        *(nearest.detections, is_member, detections.track, edge_weight),
-        *(frames.recording[row : row + 1], frames.width, d, argmax),
+        *(0, 1, boxes, is_member, k_detections, nearest.detections),
+        *(detections.track, edge_weight, frame, d, argmax),
     )
     return int(argmax[0])
 

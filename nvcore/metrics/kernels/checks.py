@@ -6,13 +6,16 @@ from nvcore.metrics.kernels import compiled
 
 
 @compiled
-def best_overlaps(frame, gx, gy, gw, gh, lo, hi, x, y, w, h, sx, sy, ox, oy, best, which):
+def best_overlaps(frame, truth, lo, hi, detections, scale, offset, best, which):
     """Find the best IoU of any detection with each truth box, and that detection's row.
 
     Without any, they are 0 and -1. Box g is in frame ``frame[g]``, whose detections are the rows
-    ``lo`` to ``hi`` of that frame. Detections are scaled by sx and sy, then shifted by ox and oy.
+    ``lo`` to ``hi`` of that frame. Boxes are x, y, w and h. Detections are scaled, then shifted.
     Of equal overlaps the last one counts.
     """
+    gx, gy, gw, gh = truth
+    x, y, w, h = detections
+    (sx, sy), (ox, oy) = scale, offset
     for g in range(frame.size):
         best[g], which[g] = 0.0, -1
         g_right, g_bottom = gx[g] + gw[g], gy[g] + gh[g]

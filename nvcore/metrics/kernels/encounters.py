@@ -2,46 +2,60 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from nvcore.metrics.kernels import compiled
 
 
-@compiled
-def encounter_frames(
-    lo,
-    hi,
-    offsets,
-    order,
-    frame_index,
-    frame,
-    gap,
-    k,
-    matched,
-    n_relevant,
-    n_matched,
-    peak_k,
-    lag,
-    longest_gap,
-    tail,
-):
-    """Compute one system's measures for every encounter, with lag, gap and tail in frames.
+class EncounterArrays(NamedTuple):
+    """Truth rows of encounters: ``order[offsets[e]:offsets[e + 1]]`` are those of e, by frame.
 
-    ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
-    `frame_index` has the frames of these rows in the same order. Rows of the same frame (a track id
-    given twice) count as one. Lag, gap and tail are NaN if the encounter is never matched.
+    `frame_index` has the frames of these rows in the same order.
+    """
+
+    offsets: np.ndarray
+    order: np.ndarray
+    frame_index: np.ndarray
+
+
+class EncounterMeasures(NamedTuple):
+    """One system's measures of each encounter, with `lag`, `longest_gap` and `tail` in frames.
+
+    These three are NaN if the encounter is never matched.
+    """
+
+    n_relevant: np.ndarray
+    n_matched: np.ndarray
+    peak_k: np.ndarray
+    lag: np.ndarray
+    longest_gap: np.ndarray
+    tail: np.ndarray
+
+    @classmethod
+    def empty(cls, n: int) -> EncounterMeasures:
+        """Return uninitialised measures of n encounters."""
+        return cls(np.empty(n, np.int64), np.empty(n, np.int64), *np.empty((4, n)))
+
+
+@compiled
+def encounter_frames(lo, hi, rows, frames, k, matched, measures):
+    """Compute one system's measures for every encounter.
+
+    Rows of the same frame (a track id given twice) count as one.
     """
     for e in range(lo, hi):
         n_rel, n_hit = 0, 0
         peak = 0.0
         first_relevant = -1
         run, longest, delay = 0.0, 0.0, np.nan
-        i, stop = offsets[e], offsets[e + 1]
+        i, stop = rows.offsets[e], rows.offsets[e + 1]
         while i < stop:
-            f = frame_index[i]
+            f = rows.frame_index[i]
             is_relevant, is_matched = False, False
-            while i < stop and frame_index[i] == f:
-                row = order[i]
+            while i < stop and rows.frame_index[i] == f:
+                row = rows.order[i]
                 peak = max(peak, k[row])
                 if k[row] >= 0.5:
                     is_relevant = True
@@ -54,17 +68,17 @@ def encounter_frames(
                 first_relevant = f
             if is_matched:
                 if n_hit == 0:
-                    delay = float(frame[f] - frame[first_relevant])
+                    delay = float(frames.frame[f] - frames.frame[first_relevant])
                 else:
                     longest = max(longest, run)
                 n_hit += 1
                 run = 0.0
             else:
-                run += gap[f]
-        n_relevant[e], n_matched[e], peak_k[e] = n_rel, n_hit, peak
-        lag[e] = delay
-        longest_gap[e] = longest if n_hit else np.nan
-        tail[e] = run if n_hit else np.nan
+                run += frames.gap[f]
+        measures.n_relevant[e], measures.n_matched[e], measures.peak_k[e] = n_rel, n_hit, peak
+        measures.lag[e] = delay
+        measures.longest_gap[e] = longest if n_hit else np.nan
+        measures.tail[e] = run if n_hit else np.nan
 
 
 @compiled

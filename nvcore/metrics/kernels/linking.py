@@ -112,7 +112,7 @@ def grown(values, n):
 
 
 @compiled
-def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track):
+def link_rows(rows, boxes, recording, min_iou, max_gap, track):
     """Number the track of every row, counting from 0 over all recordings.
 
     Boxes of successive listed frames are assigned to the tracks seen at most `max_gap` listed
@@ -123,8 +123,8 @@ def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track)
     ----------
     rows
         Rows of the box columns to link, sorted by frame, int64, shape (n,).
-    frame_index, x, y, w, h
-        Box columns.
+    boxes
+        `nvcore.dataset.columns.BoxArrays`.
     recording
         Recording of each frame.
     min_iou
@@ -136,6 +136,7 @@ def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track)
     -------
     Number of tracks.
     """
+    frame_index, x, y, w, h = boxes.frame_index, boxes.x, boxes.y, boxes.w, boxes.h
     n_tracks = 0
     live = np.empty(16, np.int64)  # positions (into rows) of each live track's last box
     n_live = 0

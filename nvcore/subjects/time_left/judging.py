@@ -85,16 +85,19 @@ def measure_contact(
     over_encounters(
         contact_frames,
         encounters,
-        *(frames.frame, encounters.recording, frames.fps, frames.width, frames.height),
-        *(*truth.xywh, truth.distance_m, float(ttc_window), contact.is_judged, contact.ttc_s),
+        encounters.recording,
+        frames.arrays,
+        truth.arrays,
+        float(ttc_window),
+        contact.is_judged,
+        contact.ttc_s,
     )
     return contact
 
 
 def over_encounters(kernel: Callable[..., Any], encounters: Encounters, *arguments: object) -> None:
     """Run a kernel over the truth rows of all encounters, in as many threads as there are cores."""
-    rows = encounters.offsets, encounters.order, encounters.frame_index
-    over_ranges(kernel, len(encounters), *rows, *arguments)
+    over_ranges(kernel, len(encounters), encounters.arrays, *arguments)
 
 
 def speed_of_frames(frames: FrameColumns, speed_kmh: float) -> np.ndarray:

@@ -50,37 +50,19 @@ def contact_time(t, q, counts, start, stop, now):
 
 
 @compiled
-def contact_frames(
-    lo,
-    hi,
-    offsets,
-    order,
-    frame_index,
-    frame,
-    recording,
-    fps,
-    width,
-    height,
-    x,
-    y,
-    w,
-    h,
-    distance_m,
-    window_s,
-    is_judged,
-    ttc,
-):
+def contact_frames(lo, hi, rows, recording, frames, boxes, window_s, is_judged, ttc):
     """Compute the time to contact of each truth row of the judged encounters, s.
 
-    ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
-    `frame_index` has the frames of these rows in the same order. If a frame has several boxes of an
-    encounter (a track id given twice), the nearest counts. The rows of other encounters are not
+    `rows` are `nvcore.metrics.kernels.encounters.EncounterArrays`. If a frame has several boxes of
+    an encounter (a track id given twice), the nearest counts. The rows of other encounters are not
     changed.
     """
+    order, frame_index, frame, fps = rows.order, rows.frame_index, frames.frame, frames.fps
+    x, y, w, h, distance_m = boxes.x, boxes.y, boxes.w, boxes.h, boxes.distance_m
     for e in range(lo, hi):
         if not is_judged[e]:
             continue
-        first, last = offsets[e], offsets[e + 1]
+        first, last = rows.offsets[e], rows.offsets[e + 1]
         has_distance = True
         for i in range(first, last):
             has_distance = has_distance and not np.isnan(distance_m[order[i]])
@@ -93,8 +75,10 @@ def contact_frames(
             start_of[n], t[n], q[n], counts[n] = i, frame[f] / fps[r], np.inf, False
             while i < last and frame_index[i] == f:
                 k = order[i]
-                is_inside = x[k] > EDGE_PX and x[k] + w[k] < width[r] - EDGE_PX
-                is_inside = is_inside and y[k] > EDGE_PX and y[k] + h[k] < height[r] - EDGE_PX
+                is_inside = x[k] > EDGE_PX and x[k] + w[k] < frames.width[r] - EDGE_PX
+                is_inside = (
+                    is_inside and y[k] > EDGE_PX and y[k] + h[k] < frames.height[r] - EDGE_PX
+                )
                 nearness = distance_m[k] if has_distance else 1.0 / h[k]
                 if is_inside and nearness < q[n]:
                     q[n], counts[n] = nearness, True
@@ -115,7 +99,7 @@ def contact_frames(
 
 
 @compiled
-def urgent_frames(lo, hi, offsets, order, frame_index, ttc, needed, least, known, urgent):
+def urgent_frames(lo, hi, rows, ttc, needed, least, known, urgent):
     """Find every encounter's least time to contact, and where it is first known and first urgent.
 
     Writes seconds (NaN: never known) and positions in `order` (-1: nowhere). `needed` is indexed by
@@ -123,26 +107,27 @@ def urgent_frames(lo, hi, offsets, order, frame_index, ttc, needed, least, known
     """
     for e in range(lo, hi):
         least[e], known[e], urgent[e] = np.nan, -1, -1
-        for i in range(offsets[e], offsets[e + 1]):
-            at = ttc[order[i]]
+        for i in range(rows.offsets[e], rows.offsets[e + 1]):
+            at = ttc[rows.order[i]]
             if np.isnan(at):
                 continue
             if known[e] < 0:
                 known[e], least[e] = i, at
             least[e] = min(least[e], at)
-            if urgent[e] < 0 and at < needed[frame_index[i]]:
+            if urgent[e] < 0 and at < needed[rows.frame_index[i]]:
                 urgent[e] = i
 
 
 @compiled
-def confirmed_frames(lo, hi, offsets, order, frame_index, matched, ttc, n, m, confirmed, ttc_at):
+def confirmed_frames(lo, hi, rows, matched, ttc, n, m, confirmed, ttc_at):
     """Find where `n` of the last `m` frames of each encounter are matched for the first time.
 
     Writes the frame row (-1: never) and the last known time to contact until then (NaN: none).
     """
+    order, frame_index = rows.order, rows.frame_index
     for e in range(lo, hi):
         confirmed[e], ttc_at[e] = -1, np.nan
-        first, last = offsets[e], offsets[e + 1]
+        first, last = rows.offsets[e], rows.offsets[e + 1]
         is_match = np.empty(last - first, np.bool_)
         n_frames, n_matched, i = 0, 0, first
         while i < last:

@@ -56,9 +56,7 @@ def linked(*boxes: Sequence[float], places: Sequence[Place] | None = None) -> li
     dataset = make_dataset(x=[Box(*box) for box in boxes], places=places)  # type: ignore[arg-type]
     b, frames = dataset.system("x"), dataset.frame_columns
     track = np.empty(len(b), np.int64)
-    n_tracks = link_rows(
-        np.arange(len(b)), b.frame_index, frames.recording, b.x, b.y, b.w, b.h, 0.3, 2, track
-    )
+    n_tracks = link_rows(np.arange(len(b)), b.arrays, frames.recording, 0.3, 2, track)
     assert n_tracks == track.max(initial=-1) + 1
     return track.tolist()
 

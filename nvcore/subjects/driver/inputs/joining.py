@@ -201,13 +201,16 @@ def _join(dataset: Dataset, table: pd.DataFrame) -> tuple[np.ndarray, np.ndarray
     placed = np.flatnonzero(fault == 0)
     placed = placed[np.argsort(frame_row[placed], kind="stable")]
     row = np.full(len(placed), -1)
-    sides = [np.ascontiguousarray(table[name].to_numpy()[placed]) for name in ("x", "y", "w", "h")]
+    sides = tuple(np.ascontiguousarray(table[name].to_numpy()[placed]) for name in "xywh")
     over_ranges(
         join_frames,
         len(frames),
-        *(truth.offsets, *truth.xywh, truth.track),
-        *(offsets_of(frame_row[placed], len(frames)), *sides, table["track"].to_numpy()[placed]),
-        *(TOLERANCE_PX, row),
+        truth.arrays,
+        offsets_of(frame_row[placed], len(frames)),
+        sides,
+        table["track"].to_numpy()[placed],
+        TOLERANCE_PX,
+        row,
     )
     row_of = np.full(len(table), -1)
     row_of[placed] = row
