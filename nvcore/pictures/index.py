@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from nvcore.common.wording import capitalised, count_text
 from nvcore.pictures.base import Pictures
-from nvcore.pictures.listing import NOT_WHOLE
 from nvcore.pictures.notes import MAY_MISLEAD, PictureTrait
+from nvcore.pictures.video_frames import NOT_WHOLE
 
 NO_FRAMES: Final = np.empty(0, np.int64)
 _SAME_SHAPE: Final = 0.02

@@ -1,6 +1,6 @@
 """Exact random access to the pictures of a video.
 
-The sorted presentation times identify the pictures (`nvcore.pictures.listing`). A picture is
+The sorted presentation times identify the pictures (`nvcore.pictures.video_frames`). A picture is
 decoded from the key picture before it, and is taken only if its own time is the wanted one.
 Where times cannot be trusted (H.264 in AVI), pictures are counted from the start of the video.
 """
@@ -21,7 +21,7 @@ from nvcore.common.wording import one_line
 from nvcore.pictures.base import Picture, Pictures, RecentPictures, check_index
 from nvcore.pictures.containers import DAMAGED, REORDERED, check_samples, open_container
 from nvcore.pictures.header import check_size
-from nvcore.pictures.listing import decoded, list_pictures
+from nvcore.pictures.video_frames import decoded, list_pictures
 
 _NEAR: Final = 8
 """Number of pictures before the wanted one that are cached on the way, for steps backwards."""

@@ -28,8 +28,8 @@ from video_files import (
 
 from nvcore.common.errors import MediaError
 from nvcore.pictures import Pictures, open_pictures
-from nvcore.pictures.listing import frame_rate, time_notes, usual_step
 from nvcore.pictures.notes import PictureNote, PictureTrait
+from nvcore.pictures.video_frames import frame_rate, time_notes, usual_step
 
 CODINGS = {
     "h264.mp4": {"g": "12", "bf": "2"},

@@ -20,7 +20,7 @@ from ui.access.login import Login, login
 from ui.access.origins import is_own_host, is_own_origin, own_names
 from ui.access.page import LOG_IN, NEXT, PROVIDER, is_own_address, log_in_page, refusal_page
 from ui.access.people import Person, end_log_in, is_same, key_of, person_of
-from ui.answers import PRIVATE, text_answer
+from ui.responses import PRIVATE, text_answer
 from ui.session.lifetime import workspace_of_session
 from ui.settings.start import base_path
 from ui.streamlit_inside import login as inside_login

@@ -22,7 +22,7 @@ from starlette.datastructures import Headers
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from ui.answers import text_answer
+from ui.responses import text_answer
 from ui.serving.life import is_shutting_down
 from ui.session.lifetime import workspace_of_session
 from ui.settings.limits import MEBI, Limits

@@ -40,7 +40,7 @@ from nvcore.pictures.base import Picture
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg, stretch
 from ui.access.people import is_same, key_of
-from ui.answers import PRIVATE, text_answer
+from ui.responses import PRIVATE, text_answer
 from ui.session.address import finite_number
 from ui.session.packed_comparison import can_pack, pack_boxes, pack_comparison, version_of
 from ui.session.uploads import UploadError, receive

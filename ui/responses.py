@@ -1,4 +1,4 @@
-"""HTTP answers of the server itself, in place of the app's pages."""
+"""HTTP responses of the server itself, in place of the app's pages."""
 
 from __future__ import annotations
 
