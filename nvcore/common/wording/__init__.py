@@ -15,6 +15,8 @@ from typing import Final
 UNDEFINED: Final = "–"
 MOST_NAMED: Final = 5
 """Maximum number of names in an error. The others are counted."""
+MORE_DECIMALS: Final = 3
+"""Maximum number of decimals of a difference beyond those of its values."""
 ARROWS: Final = {"higher": " ↑", "lower": " ↓", "": ""}
 """Suffix of a label that shows the better direction."""
 
@@ -43,7 +45,8 @@ def number(value: float | None, form: str) -> str:
 def difference(x: float, y: float, form: str) -> str:
     """Format X - Y with a sign, shares in percentage points. A dash if either is undefined.
 
-    It is rounded once, so that it does not depend on the decimals shown for X and Y.
+    It is rounded once, so that it does not depend on the decimals shown for X and Y. If it rounds
+    to 0 although X and Y look different, it has up to `MORE_DECIMALS` more decimals than they.
 
     Examples
     --------
@@ -53,14 +56,24 @@ def difference(x: float, y: float, form: str) -> str:
     '-0.2 pp'
     >>> difference(0.00184, 0.00176, ".3f")
     '0.000'
+    >>> difference(2.649, 2.651, ".1f")
+    '-0.002'
     """
     if math.isnan(x) or math.isnan(y):
         return UNDEFINED
     if form == "d":
         return format(x - y, "+,d") if x != y else "0"
     unit, scale = (" pp", 100) if form.endswith("%") else ("", 1)
-    text = format((x - y) * scale, f"+z,{form.replace('%', 'f')}")
-    return (text if float(text.replace(",", "")) else text[1:]) + unit
+    form_of_text = form.replace("%", "f")
+    are_alike = format(x, f"z{form}") == format(y, f"z{form}")
+    for _ in range(1 + MORE_DECIMALS):
+        text = format((x - y) * scale, f"+z,{form_of_text}")
+        if float(text.replace(",", "")):
+            return text + unit
+        if are_alike:
+            break
+        form_of_text = f".{int(form_of_text[1:-1]) + 1}f"
+    return text[1:] + unit
 
 
 def minus(text: str) -> str:
