@@ -19,8 +19,9 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 from nvcore.common.errors import InputError, SessionError
-from nvcore.common.file_kinds import as_stored, composed, unpacked_name
+from nvcore.common.file_kinds import as_stored, composed, suffix_of, unpacked_name
 from nvcore.common.wording import one_line
+from nvcore.inputs.files.find import ANNOTATION_ENDINGS
 from nvcore.inputs.files.patterns import matching
 from nvcore.inputs.session import Session
 from nvcore.pictures.open import is_below
@@ -30,6 +31,8 @@ ENVIRONMENT: Final = "NVCORE_LOCAL_ROOT"
 FLAG: Final = "--local-root"
 MOST_ENTRIES: Final = 2000
 """Largest number of entries listed of a folder."""
+MOST_COMPARED: Final = 50
+"""Largest number of subfolders in which files of the same kind are looked for."""
 MAX_NAME_BYTES: Final = 120
 _UNSAFE = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f]')
 
@@ -107,6 +110,25 @@ class LocalRoot:
             raise InputError("there is no such file or folder", file=one_line(path))
         return target
 
+    def matches(self, path: str) -> list[str]:
+        """Return a path below the root, or those below it that match a pattern, without ``**``.
+
+        Raises
+        ------
+        InputError
+            If there is none.
+        """
+        try:
+            self.find(path)
+        except InputError:
+            if not glob.has_magic(path) or {"..", "**", "/"} & {*PurePosixPath(path).parts}:
+                raise
+            names = matching(path, self.folder)
+            if names := [name for name in names if is_below(self.folder / name, self.folder)]:
+                return names
+            raise
+        return [path]
+
     def entries(self, path: str = "") -> list[Entry]:
         """Return the entries of a folder below the root, folders first, without hidden ones.
 
@@ -129,6 +151,31 @@ class LocalRoot:
                 listed.append(Entry(place, real.is_dir()))
         return sorted(listed, key=lambda entry: not entry.is_folder)
 
+    def patterns(self, path: str = "") -> tuple[list[str], list[str]]:
+        """Return patterns of what subfolders of a folder share, such as one for each recording.
+
+        The first are of annotation files (``night/*/gt/gt.txt``), the second of folders with other
+        files (``night/*/img1``). Only the first `MOST_COMPARED` subfolders are compared.
+        """
+        shared: dict[tuple[str, str], list[list[str]]] = {}
+        for top in [entry.path for entry in self.entries(path) if entry.is_folder][:MOST_COMPARED]:
+            for place in ("", *_inside(self.folder / top, are_folders=True)):
+                by_ending: dict[str, list[str]] = {}
+                for name in _inside(self.folder / top / place, are_folders=False):
+                    is_text = suffix_of(PurePosixPath(name)) in ANNOTATION_ENDINGS
+                    stem = PurePosixPath(unpacked_name(name)).stem
+                    by_ending.setdefault(name[len(stem) :] if is_text else "", []).append(name)
+                for ending, names in by_ending.items():
+                    shared.setdefault((place, ending), []).append(names)
+        patterns: tuple[list[str], list[str]] = [], []
+        for (place, ending), names_of in shared.items():
+            is_same = len(names_of[0]) == 1 and names_of.count(names_of[0]) == len(names_of)
+            if len(names_of) > 1 and (place or (is_same and ending)):
+                last = (names_of[0][0] if is_same else f"*{ending}") if ending else ""
+                parts = (glob.escape(path), "*", glob.escape(place), last)
+                patterns[not ending].append("/".join(filter(None, parts)))
+        return patterns
+
     def walk(self, most: int) -> Iterator[tuple[str, list[str]]]:
         """Yield at most `most` folders, nearest first, each with the paths of its files.
 
@@ -142,6 +189,21 @@ class LocalRoot:
                 continue
             folders += [entry.path for entry in entries if entry.is_folder]
             yield folder, [entry.path for entry in entries if not entry.is_folder]
+
+
+def _inside(folder: Path, *, are_folders: bool) -> list[str]:
+    """Return the names of files, or of folders that are no links. None if it is unreadable."""
+    try:
+        with os.scandir(folder) as found:
+            return sorted(
+                entry.name
+                for entry in found
+                if entry.is_dir(follow_symlinks=False) == are_folders
+                and not entry.name.startswith(".")
+                and _is_utf8(entry.name)
+            )
+    except OSError:
+        return []
 
 
 def _is_utf8(name: str) -> bool:

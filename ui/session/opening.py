@@ -22,6 +22,7 @@ from nvcore.common.findings import Finding
 from nvcore.dataset import Dataset
 from nvcore.inputs.facts import FRAME_RANGE, is_frame_range, with_paths_in
 from nvcore.inputs.files.find import NAME_PARTS
+from nvcore.inputs.readers.meaning.names import recording_of
 from nvcore.inputs.session import (
     TABLES_OF_SUBJECTS,
     RecordingEntry,
@@ -251,9 +252,10 @@ def relative_path(path: Path, folder: Path) -> str:
 def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, str]:
     """Guess the pictures of each recording by name.
 
-    A source belongs to the recording with the longest name that its own name contains. A recording
-    with several sources gets the one of exactly its name, or none. If there is only one source and
-    one recording, they belong together.
+    A source belongs to the recording with the longest name that its own name contains; ``img1`` and
+    the like have the name of the folder around them. A recording with several sources gets the one
+    of exactly its name, or none. If there is only one source and one recording, they belong
+    together.
 
     Examples
     --------
@@ -268,7 +270,7 @@ def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, st
     if len(names) == len(sources) == 1:
         return {names[0]: sources[0]}
     # composed, because macOS stores names decomposed
-    stems = {source: composed(PurePosixPath(source).stem).casefold() for source in sources}
+    stems = {source: composed(recording_of(source)).casefold() for source in sources}
     targets = {name: composed(name.replace("/", "_")).casefold() for name in names}
     matches: dict[str, list[str]] = {}
     for source, stem in stems.items():

@@ -25,6 +25,8 @@ from nvcore.inputs.session import Session, Source
 NAME_PARTS = 3
 """Number of path parts that are shown, enough for recording/gt/gt.txt."""
 
+ANNOTATION_ENDINGS: Final = (".txt", ".csv", ".json", ".xml", ".tsv", ".parquet", ".pq")
+"""Endings of the files of a folder that may be annotations, apart from those of compression."""
 EMPTY_TRUTH: Final = (
     "the file is empty; expected ground truth with at least one box: is it the right file?"
 )
@@ -165,8 +167,7 @@ def _in_folder(path: Path, text: str, role: Role, declared: Format | None) -> li
     files = [
         SourceFile(file, file.relative_to(path).as_posix()) for file in sorted(_files_below(path))
     ]
-    readable = (".txt", ".csv", ".json", ".xml", ".tsv", ".parquet", ".pq")
-    endings = declared.suffixes if declared is not None else readable
+    endings = declared.suffixes if declared is not None else ANNOTATION_ENDINGS
     files = [file for file in files if suffix_of(file.path) in endings]
     notes = ("readme", "license", "classes", "index", "label_colors", "labelmap")
     files = [file for file in files if _stem(file.path).lower() not in notes] or files

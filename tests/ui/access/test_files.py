@@ -53,6 +53,29 @@ def test_what_is_outside_is_as_if_it_were_not_there(root: LocalRoot, path: str):
         root.find(path)
 
 
+def test_files_that_folders_of_recordings_share_are_proposed_as_patterns(root: LocalRoot):
+    for name in ("A", "B"):
+        for file in ("gt/gt.txt", f"res/{name}.txt.gz", "img1/1.jpg", "seqinfo.ini"):
+            write(root.folder / "mot" / name / file, "1")
+    write(root.folder / "mot" / "A" / "det" / "det.txt", "1")  # of one recording alone
+    files, folders = root.patterns("mot")
+    assert files == ["mot/*/gt/gt.txt", "mot/*/res/*.txt.gz"]
+    assert folders == ["mot/*/img1"]
+    assert root.matches(files[0]) == ["mot/A/gt/gt.txt", "mot/B/gt/gt.txt"]
+    write(root.folder / "a[1].csv", "1")
+    write(root.folder / "a1.csv", "1")
+    assert root.matches("a[1].csv") == ["a[1].csv"]  # a file before a pattern
+
+
+@pytest.mark.parametrize(
+    "pattern", ["../*/p.csv", "*/../../private/*", "{}/*", "**/p.csv", "out/*", "o*/p.csv", "*.txt"]
+)
+def test_no_pattern_tells_what_is_outside(root: LocalRoot, pattern: str):
+    (root.folder / "out").symlink_to(root.folder.parent / "private")
+    with pytest.raises(InputError, match="there is no such file or folder"):
+        root.matches(pattern.format(root.folder.parent / "private"))
+
+
 def test_links_that_lead_out_are_not_listed(root: LocalRoot):
     (root.folder / "out").symlink_to(root.folder.parent / "private")
     assert "out" not in [entry.path for entry in root.entries()]

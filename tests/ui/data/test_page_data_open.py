@@ -137,6 +137,19 @@ def test_files_below_the_local_root_are_opened(tmp_path: Path, local):
     assert page.table[-1].value["Source"].tolist() == ["Truth", "X: fir", "Y: nir"]
 
 
+def test_a_pattern_names_the_files_of_all_recordings(tmp_path: Path, local):
+    mot_layout(tmp_path / "mot")
+    page = local()
+    checked(page.selectbox(key="local_next").set_value("mot").run())
+    assert page.multiselect(key="local_truth").options[:2] == [
+        "mot/*/det/det.txt",
+        "mot/*/gt/gt.txt",
+    ]
+    choose_local(page, truth="mot/*/gt/gt.txt", x="mot/*/det/det.txt")
+    press(page, "open_local")
+    assert recordings_of(page)["name"].tolist() == ["A", "B"]
+
+
 def test_local_files_of_one_name_are_called_by_their_folders(tmp_path: Path, local):
     drive(tmp_path)
     for name, folder in (("fir", "faster"), ("nir", "tracker")):

@@ -101,6 +101,7 @@ def test_the_only_recordings_facts_count_whatever_their_name():
         (["night", "night_rain"], ["night_rain.mp4", "night_lwir.mp4"],
          {"night": "night_lwir.mp4", "night_rain": "night_rain.mp4"}),
         (["a", "b"], ["a_b.mp4"], {}),
+        (["A", "B"], ["mot/A/img1", "mot/B/img1"], {"A": "mot/A/img1", "B": "mot/B/img1"}),
         (["Nacht_f\u00fcnf", "Tag"], ["Nacht_fu\u0308nf.mp4", "x.mp4"],
          {"Nacht_f\u00fcnf": "Nacht_fu\u0308nf.mp4"}),
     ],

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
@@ -28,6 +29,7 @@ PLACE: Final = "local"
 SESSION: Final = "local_session"
 TOP: Final = "(top folder)"
 UP: Final = ".."
+PATTERN: Final = "Choose, or type a pattern such as */gt/gt.txt"
 _session_changed = partial(forget_outcome, SESSION)
 
 
@@ -36,6 +38,7 @@ class LocalFiles:
     """Files and folders below the local root. One folder is listed at a time."""
 
     root: LocalRoot
+    folder: str
     entries: Sequence[Entry]
     label: str
     name: str = PLACE
@@ -52,22 +55,25 @@ class LocalFiles:
     def choose(
         self, slot: str, label: str, *, help_text: str | None = None, most: int | None = None
     ) -> Chosen:
-        """Draw a field for files and folders. Those chosen in other folders stay chosen."""
-        files = [entry for entry in self.entries if not (most == 1 and entry.is_folder)]
+        """Draw a field for files, folders and patterns. Those of other folders stay chosen."""
+        options = [entry.path for entry in self.entries if not (most == 1 and entry.is_folder)]
+        if most is None:
+            options = [*self.root.patterns(self.folder)[0], *options]
         more = {"max_selections": most, "help": help_text}
-        paths = self._select(slot, label, files, on_change=forget_outcome, args=(PLACE,), **more)
+        paths = self._select(slot, label, options, on_change=forget_outcome, args=(PLACE,), **more)
         try:
-            for path in paths:
-                self.root.find(path)
+            files = tuple(chain(*map(self.root.matches, paths)))
         except InputError as error:
             return Chosen(self.root.folder, trouble=str(error))
-        return Chosen(self.root.folder, tuple(paths), known_as=tuple(paths), content=tuple(paths))
+        return Chosen(self.root.folder, files, known_as=tuple(paths), content=files)
 
-    def _select(self, slot: str, label: str, entries: Sequence[Entry], **more: Any) -> list[str]:
+    def _select(self, slot: str, label: str, options: Sequence[str], **more: Any) -> list[str]:
         key = self.key(slot)
         chosen: list[str] = store.widget(key, []).get()
-        options = [entry.path for entry in entries if entry.path not in chosen]
-        return st.multiselect(label, [*chosen, *options], key=key, **more)
+        options = [*chosen, *(path for path in options if path not in chosen)]
+        if more.get("max_selections") is None:
+            more |= {"accept_new_options": True, "placeholder": PATTERN}
+        return st.multiselect(label, options, key=key, **more)
 
     def content(self, chosen: Chosen, source: Source, role: Role) -> Hashable:
         """Return a key that changes when a file does: a folder does not when one in it is edited.
@@ -90,10 +96,13 @@ class LocalFiles:
 
     def choose_pictures(self) -> tuple[dict[str, Path], list[str]]:
         """Draw the field for pictures."""
-        places, missing = {}, []
-        for path in self._select("pictures", "Pictures", self.entries):
+        places: dict[str, Path] = {}
+        missing = []
+        folders = self.root.patterns(self.folder)[1]
+        paths = [*folders, *(entry.path for entry in self.entries)]
+        for path in self._select("pictures", "Pictures", paths):
             try:
-                places[path] = self.root.find(path)
+                places |= {name: self.root.find(name) for name in self.root.matches(path)}
             except InputError as error:
                 missing.append(str(error))
         return places, missing
@@ -118,7 +127,7 @@ def draw(root: LocalRoot) -> None:
     _draw_folder(path, entries)
     _draw_session(root, entries)
     st.markdown("**Or choose files and folders**, here and in other folders:")
-    draw_form(LocalFiles(root, entries, f"Files in {path}" if path else "Local files"))
+    draw_form(LocalFiles(root, path, entries, f"Files in {path}" if path else "Local files"))
 
 
 def _draw_folder(current: str, entries: list[Entry]) -> None:
