@@ -41,7 +41,9 @@ if TYPE_CHECKING:
     from nvcore.dataset import Dataset
     from nvcore.report.files import TableFormat
 
-AT_EQUAL_ALARMS = "all numbers at equal false alarms: --operating-point equal-alarms"
+AT_EQUAL_ALARMS = (
+    "all numbers at equal false alarms, as on the pages of the app: --operating-point equal-alarms"
+)
 KEEPING = {"session_file", "out", "tables", "matches", "full", "plan", "as_json", "strict"}
 """Options that do not affect any number."""
 LONGEST_NAME = 70

@@ -190,9 +190,11 @@ def _tile(
 
 
 def _no_interval(row: Mapping[Hashable, Any] | None) -> Note:
-    if row is None or row["unit"] not in WHOLE or row["n"] >= MIN_UNITS:
+    if row is None or not math.isfinite(row["difference"]) or is_unsure(row):  # a chip says it
         return Note("verdict.no_interval")
-    noun = str(row["unit"]).removesuffix("s")
+    if row["n"] >= MIN_UNITS:
+        return Note("verdict.no_interval", is_same=row["difference"] == 0)
+    noun = "time block" if row["unit"] not in WHOLE else str(row["unit"]).removesuffix("s")
     return Note("verdict.no_interval", n=int(row["n"]), n_needed=MIN_UNITS, noun=noun)
 
 

@@ -136,7 +136,7 @@ def test_about_who_was_missed_and_when(visit):
 def test_of_a_link(visit):
     # who is better at as many false alarms?
     asker = Asker(visit("?threshold_x=0.3"))
-    asker.reads("At equal false alarms (X at a confidence threshold of")
+    asker.reads("At equal false alarms, not as set (X at a confidence threshold of")
     assert asker.clicks == 0
     asker.click(asker.visit.page.get_by_role("button", name="X to Y", exact=True))
     asker.reads("Undo", within="stSidebar")

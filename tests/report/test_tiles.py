@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -88,15 +90,20 @@ def test_ends_of_an_interval_do_not_read_alike_or_as_0(
     assert tile.interval == Note("verdict.interval", ends=text)
 
 
-def test_without_an_interval_for_want_of_recordings_a_tile_says_so(
-    sample: tuple[Result, pd.DataFrame, Companions],
+@pytest.mark.parametrize(
+    ("row", "why"),
+    [
+        ({"n": 7, "unit": "recordings"}, {"n": 7, "noun": "recording", "n_needed": 8}),
+        ({"n": 5, "unit": "blocks"}, {"n": 5, "noun": "time block", "n_needed": 8}),
+        ({"n": 8, "difference": 0.0}, {"is_same": True}),
+        ({"n": 8}, {"is_same": False}),
+    ],
+)
+def test_a_tile_says_why_it_has_no_interval(
+    sample: tuple[Result, pd.DataFrame, Companions], row: dict[str, Any], why: dict[str, Any]
 ):
-    row = {"low": np.nan, "high": np.nan, "n": 7, "unit": "recordings"}
-    tile = tile_of(sample, "severity_s_per_encounter", **row)
-    assert (tile.interval, tile.bar) == (
-        Note("verdict.no_interval", n=7, noun="recording", n_needed=8),
-        None,
-    )
+    tile = tile_of(sample, "severity_s_per_encounter", low=np.nan, high=np.nan, **row)
+    assert (tile.interval, tile.bar) == (Note("verdict.no_interval", **why), None)
 
 
 WHOLE = {"unit": "recordings"}

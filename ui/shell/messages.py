@@ -92,7 +92,6 @@ def draw_operating_point(result: Result) -> None:
             st.button(
                 "Keep this threshold",
                 key="keep_threshold",
-                type="tertiary",
                 on_click=state.set_threshold,
                 args=(moved, result.system(moved).threshold),
                 help=f"Sets the threshold of {moved.upper()} in the sidebar.",

@@ -91,7 +91,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     scenes = [_scenes(file, files, frame[table.lines.file == i]) for i, file in enumerate(tables)]
     facts += [
         "frame numbers from the pictures' names",
-        "inclusive 0-based corners to x, y, w, h (w = x2 - x1 + 1)",
+        "boxes from corners (0-based, inclusive)",
         choice.fact,
         *(fact for _, fact in scenes),
     ]

@@ -62,8 +62,8 @@ TRACKING_RULE = replace(RULE, ignored=("Person", *RULE.ignored))
 TYPES = {1: "Pedestrian", 2: "Car", 3: "Cyclist"}
 """Type numbers of detections with 15 columns."""
 TYPES_RULE = ClassRule(counted=("Pedestrian",), ignored=(), left_out=("Car", "Cyclist"))
-CORNERS = "inclusive 0-based corners to x, y, w, h (w = right - left + 1)"
-DISTANCE = "camera Z to distance_m (not in front of the camera: unknown)"
+CORNERS = "boxes from corners (0-based, inclusive)"
+DISTANCE = "distance from the camera's Z"
 
 
 def read_object(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
@@ -183,7 +183,7 @@ def read_detections(files: Sequence[SourceFile], options: ReadOptions) -> Readin
         choice = replace(choice, ignore=np.zeros(len(table), bool))
         facts += [DISTANCE, choice.fact]
     elif len(table):
-        facts.append("columns 2 to 5 taken for corners (x2 > x1 and y2 > y1 in every row)")
+        facts.append("columns 2 to 5 are corners (x2 > x1 and y2 > y1 in every row)")
     return rows_reading(
         table.lines,
         _box_of_corners(left, top, right, bottom),

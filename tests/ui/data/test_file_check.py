@@ -49,7 +49,7 @@ def test_the_boxes_of_a_checked_file_are_not_kept(
     monkeypatch.setattr(file_check, "read_confined", read)
     checked = check("mine")
     gc.collect()
-    assert checked.summary.startswith("plain CSV: 1,000 boxes")
+    assert checked.summary.startswith("plain CSV: 1 recording, 1,000 boxes")
     assert len(tables) == 1
     assert tables[0]() is None
     assert checked.reading is not None

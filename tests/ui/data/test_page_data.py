@@ -77,7 +77,7 @@ def test_what_only_may_be_looked_at_is_not_said_to_change_no_figure():
     page = open_files(sent(truth, ("a.csv", both), ("b.csv", both + third)))
     assert "where the ground truth has nobody" in texts(page)
     (badge,) = [text.value for text in page.markdown if "-badge[" in text.value]
-    assert "Remark" in badge
+    assert "Note" in badge
     assert "change numbers" not in texts(page)
 
 

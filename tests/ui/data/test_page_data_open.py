@@ -170,7 +170,7 @@ def test_what_was_mended_in_a_chosen_folder_is_read_again(tmp_path: Path, local)
     assert "night.csv, line 2" in texts(page)
     file.write_bytes(good)
     assert checked(page.run()).error == []
-    assert "Read as plain CSV: 40 boxes" in texts(page)
+    assert "Read as plain CSV: 2 recordings, 40 boxes" in texts(page)
     choose_local(page, truth="A")
     assert "expected a section [Sequence]" in texts(page)
     write(info, "[Sequence]", "frameRate=10", "imWidth=640", "imHeight=480", "seqLength=5")

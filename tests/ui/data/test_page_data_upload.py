@@ -40,8 +40,8 @@ from ui.session.store import WAYS_OPEN
 def test_an_upload_asks_for_what_the_files_do_not_say_and_opens_with_it(tmp_path: Path):
     page = sent_drive(tmp_path, "fir.csv", "nir.csv")
     assert "Not in the files: the image size and the frame rate" in texts(page)
-    assert "Read as plain CSV: 40 boxes in frames 0 to 19." in texts(page)
-    assert "Read as plain CSV: 11 boxes in frames 4 to 19." in texts(page)
+    assert "Read as plain CSV: 2 recordings, 40 boxes in frames 0 to 19." in texts(page)
+    assert "Read as plain CSV: 2 recordings, 11 boxes in frames 4 to 19." in texts(page)
     page.text_input(key="upload_name_1").set_value("[x](https://evil.example) :red[y]")
     press(page, "open_upload")
     assert ON_SAMPLE in texts(page)
@@ -64,7 +64,7 @@ def test_packed_files_are_read_and_bombs_refused_at_their_field(tmp_path: Path):
     bomb = gzip.compress(b"frame,x,y,w,h,score\n" + bytes(70 << 20))
     send(page, "upload_system_0", ("fir.csv.gz", bomb))
     shown = texts(checked(page.run()))
-    assert "Read as plain CSV: 40 boxes in frames 0 to 19." in shown
+    assert "Read as plain CSV: 2 recordings, 40 boxes in frames 0 to 19." in shown
     assert "unpacks to more than 200 times its size" in shown
 
 
@@ -146,7 +146,7 @@ def test_what_is_still_to_be_chosen_is_said_first_and_what_is_open_is_named(tmp_
     assert "Not opened: Uploaded files" in first.value
     assert "what this page is about: Sample recordings" in first.value
     assert "Open now: Sample recordings" in texts(page)
-    assert sum("Remark" in text.value for text in page.markdown) == 1
+    assert sum("Note" in text.value for text in page.markdown) == 1
     send(page, "upload_system_0", ("late.csv", late[1]))
     assert checked(page.run()).error == []
     press(page, "open_upload")
@@ -217,7 +217,7 @@ def test_the_edge_at_which_boxes_end_proposes_the_size_of_each_recording():
     send(page, "upload_system_0", *((name, detections) for name, _ in files))
     page = checked(page.run())
     assert list(asked(page).values()) == [1242, 375, 10]
-    assert "other sizes are used for these recordings: 0016 1224 × 370" in texts(page)
+    assert "The boxes end at this width; in the others: 0016 1224 × 370." in texts(page)
     page.text_input(key="upload_name_0").set_value("RRC")
     press(page, "open_upload")
     sizes = space_of(page).opened.dataset.recordings.set_index("name")["width"].to_dict()
@@ -437,6 +437,9 @@ def test_a_gap_in_a_list_of_pictures_is_asked_about_at_its_field(tmp_path: Path)
     (field,) = [box for box in page.selectbox if box.key == "frame_names_upload_truth"]
     checked(field.set_value("scenes").run())
     assert not page.error
+    n_files = len(files("truth"))
+    shown = [caption.value for caption in page.caption if caption.value.startswith("Read as")]
+    assert shown == [f"Read as YOLO text\\: {n_files} files."] * 2  # both need the size for their boxes
 
 
 @pytest.mark.parametrize(

@@ -134,7 +134,7 @@ def unequal(folder: Path) -> Path:
 
 def test_at_unequal_operating_points_the_page_shows_what_the_verdict_shows(unequal):
     page = checked(alone("driver").run())
-    assert "At equal false alarms (X at a confidence threshold of" in texts(page)
+    assert "At equal false alarms, not as set (X at a confidence threshold of" in texts(page)
     of_verdict = "Of the 1 not seen, X detects 0 and Y 1"
     assert of_verdict in texts(page)
     counts = tables(page)[0].set_index("who")["encounters"]

@@ -12,6 +12,7 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.common.errors import InputError
 from nvcore.evidence.table import evidence_table
+from nvcore.report import tiles as report_tiles
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.tables.moments import worst_moments
 from pages import checked, figures, measures, opened, part, press, tables, texts, to_page
@@ -76,7 +77,7 @@ def test_four_tiles_say_what_is_shown_and_the_better_value_has_a_mark(page: AppT
     assert body.count("<section") == 4
     assert '<span class="x better"><i>FIR</i><span data-value="x">30</span></span>' in body
     assert '<span class="y"><i>NIR</i><span data-value="y">27</span></span>' in body
-    assert body.count(">may be chance<") == 3
+    assert body.count(">not shown to be more than chance<") == 3
     assert "95 % interval −" in body
     (table,) = [item.proto.body for item in page.get("html") if 'nv-scorecard"' in item.proto.body]
     assert '<td class="x better">30</td><td class="y">27</td>' in table
@@ -93,6 +94,12 @@ def test_tiles_call_systems_x_and_y_where_a_name_is_long(monkeypatch: pytest.Mon
     body = tiles(checked(opened()))
     assert "<i>X</i>" in body
     assert "<i>Y</i>" in body
+
+
+def test_bars_are_explained_only_where_there_are_some(page: AppTest, monkeypatch: pytest.MonkeyPatch):
+    assert any("Bars: " in item.value for item in page.caption)
+    monkeypatch.setattr(report_tiles, "_bar", lambda *_, **__: None)
+    assert not any("Bars: " in item.value for item in checked(opened()).caption)
 
 
 def test_the_verdict_is_short_and_its_reason_stands_below(page: AppTest):
@@ -127,7 +134,7 @@ def test_what_is_known_is_drawn_once_and_not_first_as_unknown(
     checked(app.run())
     assert drawn == [True]
     assert app.markdown[0].value.startswith("## 10 recordings do not tell X and Y apart")
-    assert tiles(app).count(">may be chance<") == 3
+    assert tiles(app).count(">not shown to be more than chance<") == 3
     newcomer = checked(opened())  # sees at once what another has waited for
     assert newcomer.session_state["workspace"] is not app.session_state["workspace"]
     assert drawn[1:] == [False, True]  # the words wait for the page's end
@@ -325,7 +332,7 @@ def test_the_operating_point_is_that_of_every_page_and_of_the_address(app: AppTe
     checked(app.slider(key="threshold_x").set_value(0.1).run())
     alarms = "false alarms per frame ↓"
     at_equal = scorecard(app)[alarms]
-    assert texts(app).count("At equal false alarms (X at a confidence threshold of ") == 1
+    assert texts(app).count("At equal false alarms, not as set (X at a confidence threshold of ") == 1
     assert mark not in texts(app)
     assert "point" not in app.query_params
     checked(app.button_group(key=control).set_value("as-set").run())

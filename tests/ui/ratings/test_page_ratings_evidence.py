@@ -34,7 +34,7 @@ def test_a_fit_is_told_honestly_and_marked_as_long_as_it_is_in_use():
     assert "The second number is the result" in words(page)
     assert "95 %: 78 % to 96 %" in words(page)
     assert "gains 5 points (95 %: −1 to +12" in words(page)
-    assert "that may be chance" in words(page)
+    assert "not shown to be more than chance" in words(page)
     assert "Least miss for saliency: 0.05 → 0.1" in words(page)
     assert SIMULATED_FIT in words(page)
     assert metrics(page)["settings in use"] == "83 %"

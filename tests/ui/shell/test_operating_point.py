@@ -35,7 +35,7 @@ def test_at_equal_false_alarms_no_page_warns_of_what_the_switch_has_settled(app:
     for name in PAGES:
         said = texts(checked(to_page(app, name)))
         assert DIFFERENT not in said
-        count = said.count("At equal false alarms (X at a confidence threshold of ")
+        count = said.count("At equal false alarms, not as set (X at a confidence threshold of ")
         assert count == (name != "detection")
 
 

@@ -76,7 +76,7 @@ def test_unequal_operating_points_are_told_as_on_the_other_pages():
     assert "equal false alarms (" not in words(page)
     page.session_state["new_params"] = {"threshold_y": 0.2}
     checked(page.run())
-    assert "At equal false alarms (Y at a confidence threshold of" in words(page)
+    assert "At equal false alarms, not as set (Y at a confidence threshold of" in words(page)
     checked(page.button_group(key="operating_point").set_value("as-set").run())
     assert "As set, at unequal operating points" in words(page)
     assert "Nothing is claimed from these" in words(page)

@@ -140,7 +140,7 @@ def _gain(fit: Fit, start: str) -> str:
     )
     return (
         f"{gain_text} (95 %: {low} to {high}, from resampling the {fit.n_recordings} recordings)"
-        f"{'.' if fit.gain_low > 0 else ': **that may be chance**.'}"
+        f"{'.' if fit.gain_low > 0 else ': **not shown to be more than chance**.'}"
     )
 
 

@@ -16,7 +16,7 @@ from pandas.util import hash_pandas_object
 from nvcore.auditing.coverage import MIN_SILENT
 from nvcore.auditing.recordings import kitti_sizes
 from nvcore.common.errors import MissingFactError, NvcoreError
-from nvcore.common.wording import MOST_NAMED, listed
+from nvcore.common.wording import MOST_NAMED, count_text, listed
 from nvcore.dataset.schema import NO_TRACK
 from nvcore.dataset.sources import left_out_text
 from nvcore.inputs.readers.base import Reading, Role
@@ -116,12 +116,12 @@ def check_cache() -> Caching:
 def _check(
     source: Source, role: Role, folder: Path, known: Reading | None, objects: Objects
 ) -> FileCheck:
-    name = ""
+    name = summary = ""
     try:
         there = find_confined(source, folder, role)
-        name, title = there.format, there.title
+        name, summary = there.format, f"{there.title}: {count_text(len(there.paths), 'file')}"
         if role == "detections" and known is None:  # some formats cannot be read without it
-            return FileCheck(format=name, summary=title)
+            return FileCheck(format=name, summary=summary)
         reading = read_confined(
             source, role=role, folder=folder, size=_size(known), truth=known, objects=objects
         )
@@ -130,12 +130,15 @@ def _check(
             return FileCheck(trouble=error_text(error))
         # formats that need the size never hold a frame rate
         rate = {"fps"} if role == "truth" else ()
-        return FileCheck(unknown=frozenset((*error.facts, *rate)), format=name)
+        return FileCheck(
+            unknown=frozenset((*error.facts, *rate)), format=name, summary=summary
+        )
     except NvcoreError as error:
         return FileCheck(trouble=error_text(error))
     frames = reading.boxes["frame"]
     unknown = _unknown(reading) if role == "truth" else frozenset()
-    summary, first_frame = f"{title}: {len(frames):,} boxes", None
+    n_recordings, first_frame = count_text(len(reading.recordings), "recording"), None
+    summary = f"{there.title}: {n_recordings}, {count_text(len(frames), 'box', 'boxes')}"
     if len(frames):
         summary += f" in frames {frames.min()} to {frames.max()}"
         first_frame = int(frames.min())

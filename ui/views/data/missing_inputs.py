@@ -144,11 +144,11 @@ def _by_the_edges(usual: UsualInputs, sizes: Mapping[str, tuple[int, int]]) -> U
     """Replace the usual size by the one at which most recordings' boxes end."""
     most = Counter(sizes.values()).most_common(1)[0][0]
     others = {name: size for name, size in sizes.items() if size != most}
-    note = "The size at whose right edge the boxes end."
+    note = "The boxes end at this width"
     if others:
         of_others = ", ".join(f"{name} {w} × {h}" for name, (w, h) in others.items())
-        note += f" By the same rule other sizes are used for these recordings: {of_others}."
-    return replace(usual, size=most, note=note)
+        note += f"; in the others: {of_others}"
+    return replace(usual, size=most, note=f"{note}.")
 
 
 def _draw_size(

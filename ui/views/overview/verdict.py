@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 import pandas as pd
 import streamlit as st
@@ -25,6 +26,8 @@ from ui.streamlit_inside.types import DeltaGenerator
 from ui.views.overview.tiles import tiles_html
 from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain, short_names
+
+BARS: Final = " Bars: 95 % interval of X − Y, drawn from Y better (left) to X better (right)."
 
 
 class VerdictBox:
@@ -51,11 +54,14 @@ class VerdictBox:
     def draw_known(self, evidence: pd.DataFrame | None) -> None:
         """Draw the tiles with the evidence known so far, before the differences are tested."""
         self._words = self._words.markdown("## :gray[The differences are being tested.]")
-        self._basis = self._basis.caption(_short_extent(self._result))
-        four = tiles(self._result, evidence, None, is_being_tested=True)
-        self._tiles = self._tiles.html(
-            tiles_html(four, self._result.objects, short_names(self._result))
-        )
+        self._basis = self._basis.caption(self._draw_tiles(evidence, None))
+
+    def _draw_tiles(self, evidence: pd.DataFrame | None, companions: Companions | None) -> str:
+        """Draw the tiles, and return what they are about."""
+        result = self._result
+        four = tiles(result, evidence, companions, is_being_tested=True)
+        self._tiles = self._tiles.html(tiles_html(four, result.objects, short_names(result)))
+        return _short_extent(result) + (BARS if any(tile.bar for tile in four) else "")
 
     def draw(
         self,
@@ -73,17 +79,14 @@ class VerdictBox:
         self._words = self._words.markdown("## {}\n\n{}".format(*words))
         store.SHOWN_VERDICT.set(state.opened().dataset.fingerprint)
         store.LAST_VERDICT.set(self._opening())
-        four = tiles(result, evidence, companions, is_being_tested=True)
-        self._tiles = self._tiles.html(
-            tiles_html(four, self._result.objects, short_names(self._result))
-        )
+        extent = self._draw_tiles(evidence, companions)
         with self._basis.container():
             for point in conclusion.points:
                 if point.topic == HOW_SURE:
                     st.markdown(
                         plain(conclusion.say(*point.notes)), help=_meaning(result, companions)
                     )
-            st.caption(_short_extent(result))
+            st.caption(extent)
             for point in conclusion.points:
                 if point.is_warning:
                     st.markdown(f":material/warning: {plain(conclusion.say(*point.notes))}")
@@ -121,8 +124,7 @@ def _short_extent(result: Result) -> str:
     return (
         f"X is {plain(result.x.name)}, Y {plain(result.y.name)}; "
         f"{count_text(len(result.dataset.recordings), 'recording')}, "
-        f"{count_text(len(result.dataset.frames), 'frame')}, {result.duration_s:,.1f} s. "
-        "Bars: 95 % interval of X − Y, drawn from Y better (left) to X better (right)."
+        f"{count_text(len(result.dataset.frames), 'frame')}, {result.duration_s:,.1f} s."
     )
 
 

@@ -26,7 +26,7 @@ def test_inclusive_corners_become_position_and_size():
         [0, 212.5, 156, 24.75, 62, 0.87, None],
         [3, 441, 160, 41, 96, 0.86, None],
     ]
-    assert "columns 2 to 5 taken for corners (x2 > x1 and y2 > y1 in" in reading.conversion
+    assert "columns 2 to 5 are corners (x2 > x1 and y2 > y1 in" in reading.conversion
 
 
 def test_the_long_layout_gives_pedestrians_with_score_and_distance():

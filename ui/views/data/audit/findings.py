@@ -25,15 +25,15 @@ from ui.widgets.text import plain
 BADGES: Final = {
     Severity.ERROR: ":red-badge[:material/error: Error]",
     Severity.WARNING: ":orange-badge[:material/warning: Warning]",
-    Severity.NOTE: ":gray-badge[:material/info: Remark]",
+    Severity.NOTE: ":gray-badge[:material/info: Note]",
 }
 KINDS: Final = {
     Severity.ERROR: ("error that makes numbers wrong", "errors that make numbers wrong"),
     Severity.WARNING: ("warning that may change numbers", "warnings that may change numbers"),
-    Severity.NOTE: ("remark to look at", "remarks to look at"),
+    Severity.NOTE: ("note to look at", "notes to look at"),
 }
 MOST_SHOWN: Final = 4
-"""Largest number of errors and warnings shown unfolded. Without any, a remark is shown."""
+"""Largest number of errors and warnings shown unfolded. Without any, a note is shown."""
 
 
 def draw() -> None:
