@@ -74,6 +74,8 @@ def test_a_file_takes_the_place_of_another_and_name_and_threshold_stay(page, tmp
     boxes = (tmp_path / "nir.csv").read_text().splitlines()
     changing(page, "replace", system_1=write(tmp_path / "release_2.csv", boxes[0], *boxes[2:]))
     press(page, "open_upload")
+    said = texts(page).replace("\\", "")
+    assert "Replaced: nir (by release_2.csv). Names stay: see “Change the names of the" in said
     now = space_of(page).opened
     assert rows(page)["Y: nir"].replace("\\", "") == "release_2.csv"
     assert len(now.dataset.system("nir")) == len(boxes) - 2
@@ -183,7 +185,7 @@ def test_of_several_files_that_of_the_same_name_is_replaced(two_files):
     page, files = two_files
     page = replace_with(page, "urban.csv", b"\n".join(files["urban.csv"].split(b"\n")[:-5]))
     assert len(space_of(page).opened.whole.system("far")) == 35
-    assert "Replaced: far." in texts(page)
+    assert "Replaced: far (by urban.csv)." in texts(page)
 
 
 def test_a_file_that_leaves_a_recording_without_boxes_is_asked_about(two_files):

@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from data_page import (
     ASKED,
@@ -148,6 +149,18 @@ def test_a_pattern_names_the_files_of_all_recordings(tmp_path: Path, local):
     choose_local(page, truth="mot/*/gt/gt.txt", x="mot/*/det/det.txt")
     press(page, "open_local")
     assert recordings_of(page)["name"].tolist() == ["A", "B"]
+
+    # the files of all recordings have one name, and each takes the place of its own
+    for name in ("A", "B"):
+        file = tmp_path / "mot" / name / "det" / "det.txt"
+        write(tmp_path / "mot" / name / "new" / "det.txt", *file.read_text().splitlines()[:2])
+    checked(page.segmented_control(key="form_purpose_local").set_value("replace").run())
+    key = f"local_change_{space_of(page).n_opened}_system_0"
+    checked(page.multiselect(key=key).set_value(["mot/*/new/det.txt"]).run())
+    press(page, "open_local")
+    dataset = space_of(page).opened.whole
+    rows = dataset.system(dataset.systems[0]).frame_index
+    assert np.bincount(dataset.frame_columns.recording[rows]).tolist() == [2, 2]
 
 
 def test_local_files_of_one_name_are_called_by_their_folders(tmp_path: Path, local):

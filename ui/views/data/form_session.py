@@ -37,7 +37,7 @@ from ui.streamlit_inside.types import DeltaGenerator
 from ui.views.data.file_check import FileCheck
 from ui.views.data.missing_inputs import MissingInputs
 from ui.views.data.names import with_recording_name
-from ui.views.data.recordings import TypedRecordings
+from ui.views.data.recordings import NAMES, TypedRecordings
 from ui.views.data.side_files import ChosenPictures, FrameList, RecordingsTable
 
 Purpose = Literal["new", "add", "replace"]
@@ -364,19 +364,21 @@ class Form:
         """Message after opening: names of added or replaced inputs."""
         if self.opened is None:
             return ""
-        n_open = len(self.opened.whole.systems)
-        known = {*self.opened.whole.recordings["name"], *titles_by_name(self.opened)}
-        parts = [
-            name
-            for number, (system, name) in enumerate(zip(self.systems, self.names, strict=True))
-            if not system.chosen.is_empty and (number >= n_open or self.purpose == "replace")
+        chosen = [
+            (system, name)
+            for system, name in zip(self.systems, self.names, strict=True)
+            if not system.chosen.is_empty
         ]
-        if not self.truth.chosen.is_empty:
-            is_added = self.purpose == "add"
-            parts += [name for name in self.recordings if name not in known] if is_added else []
-            parts += [] if is_added else ["ground truth"]
-        verb = "Added" if self.purpose == "add" else "Replaced"
-        return f"{verb}: {listed(parts, most=MOST_NAMED)}." if parts else ""
+        if self.purpose == "add":
+            known = {*self.opened.whole.recordings["name"], *titles_by_name(self.opened)}
+            parts = [name for system, name in chosen if not system.name]
+            if not self.truth.chosen.is_empty:
+                parts += [name for name in self.recordings if name not in known]
+            return f"Added: {listed(parts, most=MOST_NAMED)}." if parts else ""
+        parts = [f"{name} (by {_file_names(system.chosen)})" for system, name in chosen]
+        keeps = f" Names stay: see “{NAMES}”." if parts else ""
+        parts += [] if self.truth.chosen.is_empty else ["ground truth"]
+        return f"Replaced: {listed(parts, most=MOST_NAMED)}.{keeps}" if parts else ""
 
     def field_of(self, file: str) -> str:
         """Return the title of the field of a file that is read only with the session, or "".
@@ -483,7 +485,8 @@ def titles_by_name(opened: Opened) -> dict[str, str]:
 def joined(source: Source, new: SourceField, folder: Path, purpose: Purpose) -> Any:
     """Return the source with a field's files added, or replacing its own.
 
-    If the source has several files, and each new file has the name of one, only these are replaced.
+    If the source has several files, and each new file has the name of one and no other, only these
+    are replaced.
     """
     if new.chosen.is_empty:
         return source
@@ -492,7 +495,8 @@ def joined(source: Source, new: SourceField, folder: Path, purpose: Purpose) -> 
         return replace(source, path=(*source.path, *paths), **new.stated)
     by_name = {PurePosixPath(path).name: path for path in paths}
     names = [PurePosixPath(path).name for path in source.path]
-    if len(names) > 1 and by_name.keys() <= {*names}:
+    are_unique = len(names) == len({*names}) and len(paths) == len(by_name)
+    if len(names) > 1 and are_unique and by_name.keys() <= {*names}:
         paths = tuple(
             by_name.get(name, path) for name, path in zip(names, source.path, strict=True)
         )
@@ -526,6 +530,10 @@ def _named_after(source: SystemSource, folder: Path, recording: str, *, slot: st
     name = safe_name(recording + files[0].name[len(stem) :])
     copy = store_copy(state.workspace(), slot, files[0], name)
     return replace(source, path=(_path_in(folder, copy),))
+
+
+def _file_names(chosen: Chosen) -> str:
+    return listed([PurePosixPath(path).name for path in chosen.known_as], most=2)
 
 
 def _path_in(folder: Path, path: Path) -> str:

@@ -48,7 +48,7 @@ def draw() -> None:
         help="Another system, more recordings, or another version of a file. Names, thresholds "
         "and settings stay.",
     )
-    with st.expander("Change the names of the systems"):
+    with st.expander(recordings.NAMES):
         recordings.draw_systems()
     draw_trouble("session")
     recordings.draw_names_changed()

@@ -30,6 +30,8 @@ from ui.widgets.buttons import submit_button
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
 NO_PICTURES: Final = "no pictures"
+NAMES: Final = "Change the names of the systems"
+"""Label of the box with the names of systems."""
 NAMES_ALONE: Final = frozenset({"title", "tags"})
 """Fields that can be changed without reading the files again."""
 
