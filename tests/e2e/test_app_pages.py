@@ -287,7 +287,7 @@ def test_each_page_is_one_step_of_the_history_wherever_it_began(visit):
 
 def test_whoever_follows_the_link_after_a_swap_sees_the_same_comparison(visit):
     one = visit("data")
-    one.keyed("swap_systems").get_by_role("button").click()
+    one.keyed("sidebar_swap").get_by_role("button").click()
     expect(one.page).to_have_url(re.compile("x=NIR&y=FIR"))
     one.wait_until_drawn()
     other = visit(f"overview{one.page.url[one.page.url.index('?') :]}")

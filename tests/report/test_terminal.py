@@ -294,7 +294,9 @@ def test_the_operating_points_of_all_numbers_are_said_once_above_them():
     assert heading.startswith("As set, at unequal operating points: X has ")
     assert as_set.count("Nothing is claimed from these numbers.") == 1
     heading = at_equal.split("\n\n")[0].splitlines()[-1]
-    assert heading.startswith("At equal false alarms, not as set (X at a confidence threshold of 0.")
+    assert heading.startswith(
+        "At equal false alarms, not as set (X at a confidence threshold of 0."
+    )
     for text, of in ((as_set, result), (at_equal, equal)):
         assert cells(text.splitlines(), "mean similarity")[0] == number(of.x.summary.mean, ".4f")
 

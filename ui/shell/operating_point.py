@@ -132,7 +132,7 @@ def draw() -> None:
                 args=(letter,),
             )
         _draw_both(min(point.false_alarms_per_frame for point in now))
-    draw_change("sidebar")
+    _draw_change()
 
 
 def _draw_both(lower: float) -> None:
@@ -161,7 +161,7 @@ def _draw_both(lower: float) -> None:
             )
 
 
-def draw_change(place: str) -> None:
+def _draw_change() -> None:
     """Draw what the last move changed and an undo button, while its thresholds are in use."""
     result = state.result_as_set()
     moved = store.THRESHOLD_MOVE.get()
@@ -180,7 +180,7 @@ def draw_change(place: str) -> None:
         return
     st.caption(plain(change_text(moved)))
     st.button(
-        "Undo", key=f"point_undo_{place}", type="tertiary", icon=":material/undo:", on_click=undo
+        "Undo", key="point_undo_sidebar", type="tertiary", icon=":material/undo:", on_click=undo
     )
 
 

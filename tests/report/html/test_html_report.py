@@ -444,7 +444,9 @@ def test_all_numbers_are_at_one_operating_point(tmp_path):
         as_set = "As set, at unequal operating points"
         assert sum(text.startswith(as_set) for text in page.words) == n_marked
         assert ("nothing is claimed from that comparison." in page.text) == (of is result)
-        assert ("At equal false alarms, not as set (X at a confidence" in page.text) == (of is equal)
+        assert ("At equal false alarms, not as set (X at a confidence" in page.text) == (
+            of is equal
+        )
         rows = {row[0]: row[1:] for row in page.tables["Measures of X and Y"][1:]}
         assert rows["mean similarity"][0] == number(of.x.summary.mean, ".4f")
         assert f"of {of.venn.n_near}" in page.text

@@ -9,11 +9,8 @@ import pandas as pd
 import pytest
 from data_page import COMPARING, READING, open_files, opened, press, sent, space_of
 from inputs import drive, session_of
-from streamlit.testing.v1 import AppTest
 
-from nvcore.comparison.compare import compare
 from nvcore.dataset.tables import dataset_from_tables
-from nvcore.evidence.operating_points import equal_setting, find_equal_alarms
 from nvcore.report.words import sampling_note
 from pages import begin_with, checked, texts, to_page
 from pages import opened as opened_app
@@ -40,7 +37,7 @@ def test_thresholds_change_what_is_kept_and_go_with_their_systems():
     checked(page.number_input(key="data_threshold_x").set_value(0.705).run())
     assert n_kept(page) < before
     assert thresholds(page) == ["0.705", of_y]
-    press(page, "swap_systems")
+    press(page, "sidebar_swap")
     assert thresholds(page) == [of_y, "0.705"]
     assert page.number_input(key="data_threshold_y").value == 0.705
     # choosing X as Y swaps them as well
@@ -49,71 +46,11 @@ def test_thresholds_change_what_is_kept_and_go_with_their_systems():
     assert chosen == ("FIR", "NIR")
 
 
-def comparing(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, *, x: str = "", y: str = "", bare: str = ""
-) -> AppTest:
-    """The drive with more lines of X and Y; those in `bare` have no scores."""
-    drive(folder)
-    for letter, more, name in (("x", x, "fir"), ("y", y, "nir")):
-        file = folder / f"{name}.csv"
-        text = file.read_text() + more
-        if letter in bare:
-            text = "\n".join(line.rpartition(",")[0] for line in text.splitlines())
-        file.write_text(text)
-    begin_with(session_of(folder), monkeypatch)
-    return opened(*COMPARING)
-
-
-ALARMS = "".join(f"urban,{frame},500,200,40,100,0.{frame}\n" for frame in range(10, 20))
-
-
-def test_the_same_operating_point_leaves_a_detection(tmp_path: Path, monkeypatch):
-    page = comparing(tmp_path, monkeypatch, y="rural,5,500,200,40,100,0.95\n")  # a false alarm
-    checked(page.slider(key="threshold_x").set_value(0.75).run())
-    press(page, "same_point")
-    assert page.session_state["params"].threshold_y < 0.95
-    assert "Y: threshold" in texts(page)
-    assert page.table[0].value["per minute"].tolist()[0] == "0.0"
-
-
-def test_where_y_has_no_scores_x_is_moved_to_its_operating_point(tmp_path: Path, monkeypatch):
-    page = comparing(tmp_path, monkeypatch, x=ALARMS, bare="y")
-    assert "Y has no scores that differ: only X can be moved." in texts(page)
-    press(page, "same_point")
-    assert page.session_state["params"].threshold_x == pytest.approx(0.19)
-    assert page.session_state["params"].threshold_y is None
-    assert "X: threshold none → 0.19" in texts(page)
-    press(page, "point_undo_data")
-    assert page.session_state["params"].threshold_x is None
-    assert "→" not in texts(page)
-
-
-def test_where_x_has_no_scores_y_is_moved_and_where_neither_has_nothing_is(
-    tmp_path: Path, monkeypatch
-):
-    page = comparing(tmp_path / "x", monkeypatch, bare="x")
-    assert "Y: threshold" in texts(press(page, "same_point"))
-    page = comparing(tmp_path / "both", monkeypatch, bare="xy")
-    assert page.button(key="same_point").disabled
-    assert "Neither system has scores that differ" in texts(page)
-
-
-def test_the_same_operating_point_is_that_of_the_verdict(tmp_path: Path, monkeypatch):
-    """Every detection of both counts; the one with more false alarms moves, here X."""
-    page = comparing(tmp_path, monkeypatch, x=ALARMS)
-    result = compare(space_of(page).opened.dataset)
-    equal = find_equal_alarms(result)
-    assert equal_setting(equal)["moved"] == "x"
-    press(page, "same_point")
-    params = page.session_state["params"]
-    assert params.threshold_x == pytest.approx(equal.x.threshold)
-    assert params.threshold_y is None
-
-
 def test_a_threshold_at_the_lowest_score_says_that_every_detection_counts(
     tmp_path: Path, monkeypatch
 ):
-    page = with_fields(comparing(tmp_path, monkeypatch))
+    begin_with(session_of(drive(tmp_path)), monkeypatch)
+    page = with_fields(opened(*COMPARING))
     checked(page.number_input(key="data_threshold_x").set_value(0.8).run())
     note = "of X has a score below"
     assert note not in texts(page)
@@ -138,7 +75,6 @@ def test_after_opening_the_next_step_stands_first_and_thresholds_are_asked_for(t
     assert "Every detection of fir and nir counts, however low its score" in texts(page)
     of_systems = next(table.value for table in page.table if "Score threshold" in table.value)
     assert of_systems["Score threshold"].tolist() == ["every detection counts"] * 2
-    assert not page.button(key="same_point").disabled
     checked(page.slider(key="threshold_x").set_value(0.8).run())
     assert "Opened: Uploaded files" in texts(page)  # it stays while one works on the page
     press(page, "see_opened")

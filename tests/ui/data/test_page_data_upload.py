@@ -109,7 +109,7 @@ def test_one_system_only_is_shown_alone(tmp_path: Path):
     again = checked(again.run())
     assert "There is one system only" in texts(again)
     assert again.table[0].value["System"].tolist() == ["**X**: fir"]
-    assert "swap_systems" not in [button.key for button in again.button]
+    assert "sidebar_swap" not in [button.key for button in again.button]
 
 
 def test_three_systems_can_be_sent(tmp_path: Path):
@@ -439,7 +439,9 @@ def test_a_gap_in_a_list_of_pictures_is_asked_about_at_its_field(tmp_path: Path)
     assert not page.error
     n_files = len(files("truth"))
     shown = [caption.value for caption in page.caption if caption.value.startswith("Read as")]
-    assert shown == [f"Read as YOLO text\\: {n_files} files."] * 2  # both need the size for their boxes
+    assert (
+        shown == [f"Read as YOLO text\\: {n_files} files."] * 2
+    )  # both need the size for their boxes
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,11 @@ READING = (
     "ui.views.data.audit.findings.draw()", "ui.views.data.inputs.draw()",
 )  # fmt: skip
 """What files can be opened with, and what is found and read in them."""
-COMPARING = ("ui.views.data.compare.draw()", "ui.shell.sidebar.draw(wrong, pages.PAGE_OF['data'])")
+COMPARING = (
+    "ui.views.data.compare.draw()",
+    "ui.shell.systems.draw()",
+    "ui.shell.sidebar.draw(wrong, pages.PAGE_OF['data'])",
+)
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
 ASKED = {"width": 640, "height": 480, "fps": 20.0}
 """What the page asks of files that say none of it."""

@@ -96,7 +96,9 @@ def test_tiles_call_systems_x_and_y_where_a_name_is_long(monkeypatch: pytest.Mon
     assert "<i>Y</i>" in body
 
 
-def test_bars_are_explained_only_where_there_are_some(page: AppTest, monkeypatch: pytest.MonkeyPatch):
+def test_bars_are_explained_only_where_there_are_some(
+    page: AppTest, monkeypatch: pytest.MonkeyPatch
+):
     assert any("Bars: " in item.value for item in page.caption)
     monkeypatch.setattr(report_tiles, "_bar", lambda *_, **__: None)
     assert not any("Bars: " in item.value for item in checked(opened()).caption)
@@ -332,7 +334,9 @@ def test_the_operating_point_is_that_of_every_page_and_of_the_address(app: AppTe
     checked(app.slider(key="threshold_x").set_value(0.1).run())
     alarms = "false alarms per frame ↓"
     at_equal = scorecard(app)[alarms]
-    assert texts(app).count("At equal false alarms, not as set (X at a confidence threshold of ") == 1
+    assert (
+        texts(app).count("At equal false alarms, not as set (X at a confidence threshold of ") == 1
+    )
     assert mark not in texts(app)
     assert "point" not in app.query_params
     checked(app.button_group(key=control).set_value("as-set").run())

@@ -144,7 +144,7 @@ def test_a_threshold_does_not_stick_to_a_system_without_scores_that_differ(
     begin_with(session, monkeypatch)
     page = data_opened(*COMPARING)
     checked(page.slider(key="threshold_x").set_value(0.5).run())
-    press(page, "swap_systems")
+    press(page, "sidebar_swap")
     assert live(page).threshold_x is None
     assert "30 of 30" in page.table[0].value["Detections kept"].tolist()
 

@@ -17,18 +17,15 @@ from nvcore.evidence.claims import ALARM_MARGIN
 from nvcore.evidence.measures import primary_of
 from nvcore.figures.inputs import false_alarm_plot, score_plot
 from nvcore.metrics.detection.operating_point import (
-    OperatingPoint,
-    choose_moved,
     false_alarm_curve,
+    operating_point,
     score_histogram,
 )
-from nvcore.metrics.detection.operating_point import operating_point as operating_point_of
 from nvcore.report.words import at_best, sampling_note
 from nvcore.settings.defaults import DELIVERED
 from nvcore.settings.params import Params
 from nvcore.settings.stages import MATCH
 from ui.session import state, store
-from ui.shell import operating_point, systems
 from ui.widgets.charts import draw_chart
 from ui.widgets.text import docs_link, number, plain
 
@@ -53,17 +50,12 @@ def draw() -> None:
     else:
         _draw_choice(x, y)
     named = [(letter, name) for letter, name in zip("xy", (x, y), strict=True) if name is not None]
-    with st.container(horizontal=True, vertical_alignment="center"):
-        if y is not None:
-            _draw_same_point(x, y)
-        _draw_exact(named)
-    if y is not None:
-        operating_point.draw_change("data")
+    _draw_exact(named)
     st.table(_points(named), width="stretch", hide_index=True)
     notes = (
-        "Thresholds are set in the sidebar. False alarms here are single detections that match "
-        "{nobody}, counted in every frame. What a driver would notice is on the Overview: "
-        "false-alert episodes, false alarms linked over frames ({link}).",
+        "Thresholds are set in the sidebar, also to equal false alarms. False alarms here are "
+        "single detections that match {nobody}, counted in every frame. What a driver would notice "
+        "is on the Overview: false-alert episodes, false alarms linked over frames ({link}).",
         sampling_note(state.opened().dataset.frame_columns),
     )
     link = docs_link("more", "false-alarms")
@@ -76,17 +68,10 @@ def draw() -> None:
 def _draw_choice(x: str, y: str) -> None:
     """Draw the choice of X, Y and the primary measure."""
     names = list(state.opened().dataset.systems)
-    left, middle, right, last = st.columns([4, 2, 4, 5], vertical_alignment="bottom")
+    left, right, last = st.columns(3, vertical_alignment="bottom")
     # the widgets show the open comparison, however it was changed
     store.set_widgets(choice_x=x, choice_y=y)
     left.selectbox("System X", names, key="choice_x", on_change=_choose, args=("x",))
-    middle.button(
-        "Swap",
-        icon=":material/swap_horiz:",
-        on_click=systems.swap,
-        width="stretch",
-        key="swap_systems",
-    )
     right.selectbox("System Y", names, key="choice_y", on_change=_choose, args=("y",))
     primary = primary_of(state.opened().dataset)
     store.CHOICE.of("primary").set(primary.key)
@@ -186,7 +171,7 @@ def _points(named: Sequence[tuple[str, str]]) -> pd.DataFrame:
     rows = []
     for letter, name in named:
         threshold = state.threshold_of(letter)
-        point = _point(dataset, name, params, threshold)
+        point = _counted(operating_point, dataset, name, params, threshold=threshold)
         all_count = "every detection counts"
         if state.score_span(name) is None:
             all_count = "no scores that differ: every detection counts"
@@ -234,48 +219,6 @@ def _take_threshold(letter: str) -> None:
     span = state.span_of(letter)
     if threshold is not None and span is not None and threshold <= span[0]:
         store.LOWEST_THRESHOLD.set((letter, threshold))
-
-
-def _draw_same_point(x: str, y: str) -> None:
-    """Draw the button that sets both systems alike, as the verdict does."""
-    letter = _which_moves(x, y)
-    moved, fixed = (letter, "yx"["xy".index(letter)]) if letter is not None else ("y", "x")
-    st.button(
-        "Same operating point",
-        disabled=letter is None or state.operating_point() == DELIVERED,
-        key="same_point",
-        icon=":material/balance:",
-        on_click=operating_point.move,
-        args=(moved,),
-        help=f"Sets the threshold of {moved.upper()} so that it has as many false alarms per frame "
-        f"as {fixed.upper()} has now, as the verdict does. Without it a system that reports more "
-        "of everything looks better.",
-    )
-    if letter is None:
-        st.caption("Neither system has scores that differ: there is no threshold to move.")
-    elif operating_point.why_fixed(fixed):
-        st.caption(f"{fixed.upper()} has no scores that differ: only {moved.upper()} can be moved.")
-
-
-def _which_moves(x: str, y: str) -> str | None:
-    """Return the letter of the system that moves, as in the verdict, or None."""
-    dataset, params = state.opened().dataset, state.params()
-    points = (
-        _point(dataset, x, params, params.threshold_x),
-        _point(dataset, y, params, params.threshold_y),
-    )
-    index = choose_moved(
-        [not operating_point.why_fixed(letter) for letter in "xy"],
-        [point.n_false_alarms for point in points],
-        [point.n_kept for point in points],
-    )
-    return None if index is None else "xy"[index]
-
-
-def _point(
-    dataset: Dataset, system: str, params: Params, threshold: float | None
-) -> OperatingPoint:
-    return _counted(operating_point_of, dataset, system, params, threshold=threshold)
 
 
 def _counted(

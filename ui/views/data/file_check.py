@@ -130,9 +130,7 @@ def _check(
             return FileCheck(trouble=error_text(error))
         # formats that need the size never hold a frame rate
         rate = {"fps"} if role == "truth" else ()
-        return FileCheck(
-            unknown=frozenset((*error.facts, *rate)), format=name, summary=summary
-        )
+        return FileCheck(unknown=frozenset((*error.facts, *rate)), format=name, summary=summary)
     except NvcoreError as error:
         return FileCheck(trouble=error_text(error))
     frames = reading.boxes["frame"]
