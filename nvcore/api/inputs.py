@@ -18,11 +18,10 @@ from nvcore.dataset import Dataset
 from nvcore.inputs.facts import frames_from, objects_named, size_from
 from nvcore.inputs.files.pipes import pipes_kept
 from nvcore.inputs.load import load as load_session
-from nvcore.inputs.session import RecordingsFile, Session, Source, SystemSource
-from nvcore.inputs.session.changes import override_recordings
-from nvcore.inputs.session.recordings_file import with_recordings_file
+from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.inputs.session.recordings_file import with_facts
 from nvcore.inputs.session.toml import read_session
-from nvcore.settings.defaults import OperatingPoint, Settings, as_names, operating_point
+from nvcore.settings.defaults import OperatingPoint, Settings, operating_point
 from nvcore.settings.params import params_from
 from nvcore.settings.protocols import Protocol, protocol_from
 
@@ -140,17 +139,16 @@ def load(
         name_x = name_y = None  # the systems have these names already
     else:
         session = source if isinstance(source, Session) else read_session(Path(source))
-    if recordings is not None:
-        table = RecordingsFile(str(Path.cwd() / recordings))
-        session = replace(session, recordings_file=table)
-    if codes is not None:
-        session = replace(session, codes_file=str(Path.cwd() / codes), codes=())
-    session = with_recordings_file(session, goes_first=recordings is not None)
-    session = override_recordings(
-        session, size=size_from(size), fps=fps, frames=frames_from(frames)
+    session = with_facts(
+        session,
+        recordings=recordings,
+        codes=codes,
+        objects=objects_named(objects),
+        size=size_from(size),
+        fps=fps,
+        frames=frames_from(frames),
     )
     session = with_choices(session, name_x, name_y, protocol, primary, operating_point)
-    session = replace(session, objects=objects_named(objects) or session.objects)
     with keywords_named():
         return with_params(load_session(session, tables=tables), params)
 
@@ -191,16 +189,13 @@ def load_part(
     else:
         if not isinstance(source, Session):
             source = read_session(Path(source), needs_system=False)
-        session = override_recordings(
-            with_recordings_file(source),
+        session = with_facts(
+            source,
+            tags=part.tags,
+            only=part.only,
             size=size_from(part.size),
             fps=part.fps,
             frames=frames_from(part.frames),
-        )
-        session = replace(
-            session,
-            only_tags=as_names(part.tags) or session.only_tags,
-            only=as_names(part.only) or session.only,
         )
         dataset = load_session(session, progress=progress)
     if not isinstance(dataset.settings, Session):

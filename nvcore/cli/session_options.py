@@ -12,14 +12,7 @@ from nvcore.cli.options import flag_of
 from nvcore.common.errors import SessionError
 from nvcore.common.wording import one_line
 from nvcore.inputs.facts import frames_from, parse_size
-from nvcore.inputs.session import (
-    SYSTEM_KEYS_OF_SUBJECTS,
-    RecordingsFile,
-    Session,
-    Source,
-    SystemSource,
-)
-from nvcore.inputs.session.changes import override_recordings
+from nvcore.inputs.session import SYSTEM_KEYS_OF_SUBJECTS, Session, Source, SystemSource
 from nvcore.inputs.session.toml import read_session
 from nvcore.settings.objects import Objects, objects_from
 from nvcore.settings.params import SETTINGS, Params, params_from
@@ -111,28 +104,14 @@ def _from_flags(options: dict[str, Any], given: dict[str, Any], *, needs_y: bool
 
 def _with_facts(session: Session, options: dict[str, Any]) -> Session:
     """Apply the flags about recordings, which override files, to a session."""
-    from nvcore.inputs.session.recordings_file import with_recordings_file
+    from nvcore.inputs.session.recordings_file import with_facts
 
-    path = options["recordings"]
-    if path is not None:
-        is_here = session.folder == Path.cwd()
-        table = RecordingsFile(path if is_here else str(Path.cwd() / path))
-        session = replace(session, recordings_file=table)
-    session = with_recordings_file(session, goes_first=path is not None)
-    codes = options["codes"]
-    if codes is not None:
-        session = replace(session, codes_file=str(Path.cwd() / codes), codes=())
-    session = replace(
-        session,
-        only_tags=tuple(dict.fromkeys(options["tags"])) or session.only_tags,
-        only=tuple(dict.fromkeys(options["only"])) or session.only,
-        objects=objects_from_option(options) or session.objects,
-        accept=tuple(dict.fromkeys([*session.accept, *options.get("accept", ())])),
-    )
-    return override_recordings(
-        session,
+    accepted = dict.fromkeys([*session.accept, *options.get("accept", ())])
+    return with_facts(
+        replace(session, accept=tuple(accepted)),
+        **{name: options[name] for name in ("recordings", "codes", "tags", "only", "fps")},
+        objects=objects_from_option(options),
         size=size_option(options),
-        fps=options["fps"],
         frames=frames_from(options["frames"]),
     )
 

@@ -13,6 +13,7 @@ a drive, a route or a car that it belongs to. Columns are separated by commas, t
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import fields, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
@@ -25,6 +26,9 @@ from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.table import TextTable, parse_table
 from nvcore.inputs.readers.parse.text import read_text_bytes
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session
+from nvcore.inputs.session.changes import override_recordings
+from nvcore.settings.defaults import as_names
+from nvcore.settings.objects import Objects
 from nvcore.settings.params.traffic import parse_context
 
 NAME: Final = "recording"
@@ -62,6 +66,41 @@ def with_recordings_file(session: Session, *, goes_first: bool = False) -> Sessi
         recordings=tuple(entries.values()),
         recordings_file=RecordingsFile(table.path, line_of),
     )
+
+
+def with_facts(
+    session: Session,
+    *,
+    recordings: str | Path | None = None,
+    codes: str | Path | None = None,
+    tags: str | Iterable[str] = (),
+    only: str | Iterable[str] = (),
+    objects: Objects | None = None,
+    **facts: Any,
+) -> Session:
+    """Return the session with the facts of a call or a command. None or empty keeps its own.
+
+    Paths of `recordings` and `codes` start from the current folder. `tags` and `only` choose the
+    recordings to compare. Size, fps and frames are those of `override_recordings`.
+
+    Raises
+    ------
+    InputError
+        If the table of recordings cannot be used; with the line.
+    """
+    here = Path() if session.folder == Path.cwd() else Path.cwd()
+    if recordings is not None:
+        session = replace(session, recordings_file=RecordingsFile(str(here / recordings)))
+    if codes is not None:
+        session = replace(session, codes_file=str(here / codes), codes=())
+    session = with_recordings_file(session, goes_first=recordings is not None)
+    session = replace(
+        session,
+        only_tags=tuple(dict.fromkeys(as_names(tags))) or session.only_tags,
+        only=tuple(dict.fromkeys(as_names(only))) or session.only,
+        objects=objects or session.objects,
+    )
+    return override_recordings(session, **facts)
 
 
 def _filled(entry: RecordingEntry, other: RecordingEntry) -> RecordingEntry:
