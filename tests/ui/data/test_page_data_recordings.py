@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pandas as pd
 import pytest
 from data_page import (
-    ON_SAMPLE,
     Edit,
-    answer,
     open_files,
     opened,
     opened_drive,
@@ -17,7 +14,6 @@ from data_page import (
     recordings_of,
     send,
     sent_drive,
-    sizes_of,
     space_of,
 )
 from inputs import drive, write
@@ -39,51 +35,6 @@ def with_table(folder: Path, content: bytes) -> AppTest:
 
 def contexts(page: AppTest) -> list[str]:
     return recordings_of(page)["context"].tolist()
-
-
-def proposed(page: AppTest) -> pd.DataFrame:
-    """The table of the recordings that are not open yet."""
-    (table,) = [item.value for item in page.dataframe if {"fps", "note"} & {*item.value} == {"fps"}]
-    return table
-
-
-def test_facts_of_each_recording_are_typed_before_they_are_opened(tmp_path: Path, edit: Edit):
-    page = sent_drive(tmp_path, "fir.csv", "nir.csv")
-    assert proposed(page)["name"].tolist() == ["urban", "rural"]
-    assert proposed(page)[["width", "fps"]].isna().all(axis=None)
-    answer(page, width=640, height=480, fps=20.0)
-    page = checked(page.run())
-    assert proposed(page)[["width", "height", "fps"]].to_numpy().tolist() == [[640, 480, 20]] * 2
-    page = edit.open_files(page, fps=10.0, width=720, tags="night")
-    assert sizes_of(page) == [(720, 480), (640, 480)]
-    recordings = space_of(page).opened.dataset.recordings
-    assert recordings["fps"].tolist() == [10, 20]
-    assert recordings["tags"].tolist() == [("night",), ()]
-
-
-def test_what_cannot_be_is_refused_before_opening(tmp_path: Path, edit: Edit):
-    page = sent_drive(tmp_path, "fir.csv", "nir.csv")
-    answer(page, width=640, height=480, fps=20.0)
-    page = edit.open_files(page, context="suburb")
-    assert "recording 'urban': context: expected urban" in texts(page)
-    assert "The table of the recordings cannot be used" in texts(page)
-    assert ON_SAMPLE in texts(page)
-
-
-def test_a_table_sent_along_is_what_is_proposed_of_the_recordings(tmp_path: Path):
-    page = with_table(tmp_path, b"recording,width,height,fps,tags\nrural,640,480,20,wet\n")
-    assert proposed(page).loc[1, ["width", "height", "fps", "tags"]].tolist() == [
-        640,
-        480,
-        20,
-        "wet",
-    ]
-    assert proposed(page).loc[0, "tags"] == ""
-
-
-def test_one_recording_or_all_facts_need_no_table(tmp_path: Path):
-    page = with_table(tmp_path, TABLE)
-    assert not [item for item in page.dataframe if "fps" in item.value and "note" not in item.value]
 
 
 def test_a_table_of_recordings_answers_what_the_files_do_not_say(tmp_path: Path):

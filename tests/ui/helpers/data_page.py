@@ -95,37 +95,26 @@ def sizes_of(page: AppTest) -> list[tuple[float, float]]:
 
 
 class Edit:
-    """Changes of the first recording in a table of recordings, as by a person.
-
-    Those of what is not open stay in their table; applied ones have had their time.
-    """
+    """Changes of the first recording in the table of recordings, as by a person."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.changes: dict[str, object] = {}
-        self.is_of_open = True
         editor = st.data_editor
 
         def edit(table: pd.DataFrame, **more: object) -> pd.DataFrame:
             editor(table, **more)
             after = table.copy().astype(object)
-            if ("note" in table) == self.is_of_open:
-                for column, value in self.changes.items():
-                    after.loc[0, column] = value
-                if self.is_of_open:
-                    self.changes = {}
+            for column, value in self.changes.items():
+                after.loc[0, column] = value
+            self.changes = {}
             return after
 
         monkeypatch.setattr(st, "data_editor", edit)
 
     def apply(self, page: AppTest, **changes: object) -> AppTest:
-        """Change cells of what is open, and apply the table."""
-        self.changes, self.is_of_open = changes, True
+        """Change cells, and apply the table."""
+        self.changes = changes
         return press_labelled(page, "Apply to the recordings")
-
-    def open_files(self, page: AppTest, **changes: object) -> AppTest:
-        """Change cells of what is not open yet, and open it."""
-        self.changes, self.is_of_open = changes, False
-        return press(page, "open_upload")
 
 
 def late_drive(folder: Path) -> tuple[bytes, bytes]:

@@ -34,7 +34,6 @@ from ui.views.data.inputs import files_text
 from ui.views.data.missing_inputs import MissingInputs, ask_for_missing, draw_reading
 from ui.views.data.names import draw_name, draw_objects, draw_recording, proposed_names
 from ui.views.data.opening import draw_trouble, forget_outcome, try_to_open
-from ui.views.data.recordings import TypedRecordings, draw_before_opening
 from ui.views.data.side_files import (
     FRAMES_HELP,
     FRAMES_LABEL,
@@ -108,9 +107,9 @@ def draw_form(place: Place) -> None:
             recording = draw_recording(new_names, places, place=place.name, changed=changed)
     names = form_fields.draw_names(truth, systems, [*recordings, recording])
     pictures = draw_pictures(place.name, places, recordings, refused)
-    facts, typed = _ask(place.name, (truth, *systems), table, pictures)
+    facts = _ask(place.name, (truth, *systems), table, pictures)
     form = Form(place, purpose, opened, objects, truth, systems, names, recordings, recording,
-                frames, table, series, pictures, facts, typed)  # fmt: skip
+                frames, table, series, pictures, facts)  # fmt: skip
     draw_trouble(place.name)
     if button("Open these files" if opened is None else "Change the comparison",
               key=f"open_{place.name}", type="primary"):  # fmt: skip
@@ -340,13 +339,10 @@ def _by_name(chosen: Chosen, recordings: Sequence[str]) -> dict[str, Path]:
 
 def _ask(
     place: str, sources: Sequence[SourceField], table: RecordingsTable, pictures: ChosenPictures
-) -> tuple[MissingInputs, TypedRecordings]:
-    """Ask for facts that the files lack, for all recordings and for each."""
+) -> MissingInputs:
+    """Ask for facts that the files lack."""
     checks = [source.check or FileCheck() for source in sources]
     first = checks[0]
     unknown = {name for check in checks for name in check.unknown} - table.known(first.recordings)
     usable = pictures.usable.values()
-    facts = ask_for_missing(place, usable, unknown, first.format, first.sizes)
-    if not unknown:
-        return facts, TypedRecordings()
-    return facts, draw_before_opening(place, first, table.entries, facts)
+    return ask_for_missing(place, usable, unknown, first.format, first.sizes)

@@ -37,7 +37,7 @@ from ui.streamlit_inside.types import DeltaGenerator
 from ui.views.data.file_check import FileCheck
 from ui.views.data.missing_inputs import MissingInputs
 from ui.views.data.names import with_recording_name
-from ui.views.data.recordings import NAMES, TypedRecordings
+from ui.views.data.recordings import NAMES
 from ui.views.data.side_files import ChosenPictures, FrameList, RecordingsTable
 
 Purpose = Literal["new", "add", "replace"]
@@ -194,7 +194,6 @@ class Form:
     series: Mapping[str, Mapping[str, Path]]
     pictures: ChosenPictures
     facts: MissingInputs
-    typed: TypedRecordings
 
     def session(self) -> Session:
         """Return the session.
@@ -226,8 +225,8 @@ class Form:
             objects=self.objects,
         )
         session = self.place.finished(self.facts.added_to(session))
-        is_complete = not (self.pictures.usable or self.recording)
-        if is_complete and not self.typed.changes and not any(self.series.values()):
+        more = (self.pictures.usable, self.recording, self.facts.sizes, *self.series.values())
+        if not any(more):
             return session
         with st.spinner("Reading the ground truth"):
             names = recording_names(session)
@@ -412,7 +411,6 @@ class Form:
             self.frames.trouble and f"The list of evaluated frames {reasons} at its field.",
             self.table.trouble and f"The table of recordings {reasons} at its field.",
             self.pictures.stops,
-            self.typed.trouble and f"The table of the recordings {reasons} below it.",
         ):
             if wrong:
                 raise InputError(wrong)
@@ -459,6 +457,10 @@ class Form:
         if self.opened is not None:
             for name in [] if self.truth.chosen.is_empty else self.recordings:
                 changes[name] |= self.facts.of_recording
+        for name, (width, height) in self.facts.sizes.items():
+            if name in changes and recording_entry(session, names, name).width is None:
+                changes[name] |= {"width": width, "height": height}
+        if self.opened is not None:
             title_of = titles_by_name(self.opened)
             for name, row in self.table.entries.items():
                 own = name if name in changes else title_of.get(name, name)
@@ -470,9 +472,6 @@ class Form:
             for name, file in file_of.items():
                 if name in changes:
                     changes[name][key] = _path_in(session.folder, file)
-        for name, change in self.typed.changes.items():
-            if name in changes:
-                changes[name] |= change
         return {name: change for name, change in changes.items() if change}
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -69,6 +69,8 @@ class MissingInputs:
     size: tuple[int, int] | None = None
     fps: float | None = None
     frames: str | None = None
+    sizes: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    """Sizes of the recordings that differ, by their boxes."""
 
     @property
     def of_recording(self) -> dict[str, Any]:
@@ -117,9 +119,14 @@ def ask_for_missing(
     lacking.set(lacking.get().union(() if trouble is None else trouble.facts))
     asked = lacking.get() | set(unknown)
     usual = USUAL_INPUTS.get(format_name)
-    if sizes and usual is not None:
-        usual = _by_the_edges(usual, sizes)
     values: dict[str, Any] = {}
+    if sizes and usual is not None:
+        most = Counter(sizes.values()).most_common(1)[0][0]
+        others = {name: size for name, size in sizes.items() if size != most}
+        note = "; in the others: " * bool(others)
+        note += ", ".join(f"{name} {w} × {h}" for name, (w, h) in others.items())
+        usual = replace(usual, size=most, note=f"The boxes end at this width{note}.")
+        values["sizes"] = others
     if asked:
         words = " and ".join(MISSING_WORDS[fact] for fact in MISSING_WORDS if fact in asked)
         st.markdown(f"**Not in the files: {words}**")
@@ -138,17 +145,6 @@ def ask_for_missing(
             help=f"{capitalised(FRAME_RANGE)}, by the frame numbers of the truth.",
         )
     return MissingInputs(**values)
-
-
-def _by_the_edges(usual: UsualInputs, sizes: Mapping[str, tuple[int, int]]) -> UsualInputs:
-    """Replace the usual size by the one at which most recordings' boxes end."""
-    most = Counter(sizes.values()).most_common(1)[0][0]
-    others = {name: size for name, size in sizes.items() if size != most}
-    note = "The boxes end at this width"
-    if others:
-        of_others = ", ".join(f"{name} {w} × {h}" for name, (w, h) in others.items())
-        note += f"; in the others: {of_others}"
-    return replace(usual, size=most, note=f"{note}.")
 
 
 def _draw_size(

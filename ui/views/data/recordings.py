@@ -1,9 +1,9 @@
-"""Data page: the table of recordings, edited before and after opening, and names of systems."""
+"""Data page: the table of the open recordings, and names of systems."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import PurePosixPath
 from typing import Any, Final, NamedTuple
@@ -15,7 +15,6 @@ import streamlit as st
 from nvcore.common.errors import InputError, NvcoreError, SessionError
 from nvcore.common.output.csv_text import to_csv_bytes
 from nvcore.dataset import Dataset
-from nvcore.inputs.readers.base import Reading
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.settings.defaults import MAX_FPS, MIN_FPS
 from nvcore.settings.params.traffic import context_word, count_contexts, parse_context
@@ -23,8 +22,6 @@ from ui.session import state, store
 from ui.session.chosen import rename_chosen
 from ui.session.opening import with_recordings
 from ui.shell.messages import shown_error
-from ui.views.data.file_check import FileCheck
-from ui.views.data.missing_inputs import MissingInputs
 from ui.views.data.opening import WAYS, try_to_open
 from ui.widgets.buttons import submit_button
 from ui.widgets.text import UNDEFINED, docs_link, plain
@@ -151,29 +148,11 @@ COLUMNS: Final = {
     ),
 }
 NUMBERS: Final = ("width", "height", "fps", "speed_kmh", "horizon", "first_picture")
-BEFORE_OPENING: Final = tuple(list(COLUMNS)[:9])
-"""Columns of recordings that are not open yet."""
 RESULTS: Final = {
     "frames": _number("Frames", width=70, format="localized", help="Number of evaluated frames."),
     "note": st.column_config.TextColumn("Which picture shows which frame"),
 }
 """Columns that cannot be edited."""
-
-
-def rows_of(entries: Sequence[RecordingEntry]) -> pd.DataFrame:
-    """Make the table of recordings, with texts as a person types them."""
-    table = {key: [getattr(entry, key) for entry in entries] for key in COLUMNS}
-    return _as_typed(pd.DataFrame(table, dtype=object), {})
-
-
-def _as_typed(table: pd.DataFrame, pictures: Mapping[str, str]) -> pd.DataFrame:
-    """Return the table with texts as a person types them, and labels of `pictures` by recording."""
-    return table.assign(
-        context=table["context"].map(_context_text),
-        tags=table["tags"].map("; ".join),
-        unit=[unit or "" for unit in table["unit"]],
-        pictures=[pictures.get(name, NO_PICTURES) for name in table["name"]],
-    ).astype(dict.fromkeys(NUMBERS, float))
 
 
 def _context_text(value: float | None) -> str:
@@ -188,8 +167,15 @@ def editable(dataset: Dataset, session: Session, labels: Mapping[str, str]) -> p
     names = dataset.recordings["name"].tolist()
     entries = session.entries(names)
     first = [entries[name].first_picture if name in entries else None for name in names]
-    table = dataset.recordings.assign(first_picture=np.array(first, dtype=object), pictures=None)
-    return _as_typed(table[list(COLUMNS)], labels)
+    recordings = dataset.recordings
+    table = recordings.assign(
+        first_picture=np.array(first, dtype=object),
+        context=recordings["context"].map(_context_text),
+        tags=recordings["tags"].map("; ".join),
+        unit=[unit or "" for unit in recordings["unit"]],
+        pictures=[labels.get(name, NO_PICTURES) for name in names],
+    )
+    return table[list(COLUMNS)].astype(dict.fromkeys(NUMBERS, float))
 
 
 def saved(dataset: Dataset, session: Session) -> bytes:
@@ -254,93 +240,6 @@ def _text(value: Any) -> str:
     return "" if value is None or value == "" or pd.isna(value) else str(value).strip()
 
 
-def _edit(
-    table: pd.DataFrame,
-    *,
-    key: str,
-    pictures: Sequence[str] = (),
-    columns: Sequence[str] | None = None,
-    disabled: Sequence[str],
-) -> pd.DataFrame:
-    """Draw the table to be edited. What was typed stays while other values are proposed."""
-    choice = st.column_config.SelectboxColumn(
-        "Pictures",
-        options=[NO_PICTURES, *pictures],
-        required=True,
-        help=f"Send pictures under “{WAYS}”, Upload; they appear here.",
-    )
-    looks = {name: column.look for name, column in COLUMNS.items()} | RESULTS
-    edited: pd.DataFrame = st.data_editor(
-        table,
-        hide_index=True,
-        num_rows="fixed",
-        width="stretch",
-        column_order=columns,
-        column_config={**looks, "pictures": choice},
-        disabled=disabled,
-        placeholder=UNDEFINED,
-        key=key,
-    )
-    return edited
-
-
-@dataclass(frozen=True)
-class TypedRecordings:
-    """Changes typed for recordings that are not open yet, by name, or why they cannot be."""
-
-    changes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    trouble: str = ""
-
-
-def draw_before_opening(
-    place: str, truth: FileCheck, rows: Mapping[str, RecordingEntry], facts: MissingInputs
-) -> TypedRecordings:
-    """Draw a table to complete the facts about several recordings.
-
-    Parameters
-    ----------
-    place
-        Part of the page.
-    truth
-        Check of the ground truth's files.
-    rows
-        Rows of the table of recordings that was sent, if any.
-    facts
-        Facts that were entered for all recordings.
-    """
-    if truth.reading is None or len(truth.recordings) < 2:
-        return TypedRecordings()
-    sizes = truth.sizes if len({*truth.sizes.values()}) > 1 else {}
-    known = _proposed(truth.reading, rows, facts, {})
-    proposed = _proposed(truth.reading, rows, facts, sizes)
-    with st.expander("Size, frame rate and tags by recording", expanded=bool(sizes)):
-        st.caption("As proposed; click a cell to change it. Empty: nothing is known.")
-        key = f"recordings_{place}_{hash(tuple(truth.recordings))}"
-        after = _edit(proposed, key=key, columns=BEFORE_OPENING, disabled=("name",))
-        try:
-            return TypedRecordings(changes_in(known, after, {}))
-        except InputError as error:
-            st.error(plain(error), icon=":material/error:")
-            return TypedRecordings(trouble=str(error))
-
-
-def _proposed(
-    truth: Reading,
-    rows: Mapping[str, RecordingEntry],
-    facts: MissingInputs,
-    sizes: Mapping[str, tuple[int, int]],
-) -> pd.DataFrame:
-    """Propose facts by recording: from the sent table, else files, edges, or the common facts."""
-    names = truth.recordings["name"].tolist()
-    table = rows_of([replace(rows.get(name, RecordingEntry(name)), name=name) for name in names])
-    width, height = facts.size or (None, None)
-    for column, of_all, at in (("width", width, 0), ("height", height, 1), ("fps", facts.fps, 2)):
-        at_edge = [sizes[name][at] if at < 2 and name in sizes else of_all for name in names]
-        of_files = truth.recordings[column].astype(float)
-        table[column] = table[column].fillna(of_files).fillna(pd.Series(at_edge, dtype=float))
-    return table
-
-
 def draw_open(
     choices: Mapping[str, str | None], labels: Mapping[str, str], notes: Mapping[str, str]
 ) -> None:
@@ -364,13 +263,24 @@ def draw_open(
     _draw_words(opened.whole)
     key = f"recordings_editor_{state.workspace().n_opened}_{store.N_NAME_CHANGES.get()}"
     with st.form(f"{key}_form", border=False):
-        names = list(COLUMNS)
-        after = _edit(
+        columns = list(COLUMNS)
+        pictures = st.column_config.SelectboxColumn(
+            "Pictures",
+            options=[NO_PICTURES, *choices],
+            required=True,
+            help=f"Send pictures under “{WAYS}”, Upload; they appear here.",
+        )
+        looks = {name: column.look for name, column in COLUMNS.items()} | RESULTS
+        after = st.data_editor(
             before.assign(**results),
-            key=key,
-            pictures=[*choices],
-            columns=[*names[:-2], "frames", *names[-2:], "note"],
+            hide_index=True,
+            num_rows="fixed",
+            width="stretch",
+            column_order=[*columns[:-2], "frames", *columns[-2:], "note"],
+            column_config={**looks, "pictures": pictures},
             disabled=[*RESULTS],
+            placeholder=UNDEFINED,
+            key=key,
         )
         is_wanted = submit_button(
             "Apply to the recordings", icon=":material/check:", key="apply_recordings"
