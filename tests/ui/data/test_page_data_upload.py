@@ -380,7 +380,6 @@ def test_boxes_to_be_ignored_are_told_apart_before_and_after_opening():
     truth = b"frame,x,y,w,h,ignore\n0,9,9,40,90,0\n1,9,9,40,90,1\n2,9,9,40,90,0\n"
     page = sent(truth, ("a.csv", b"frame,x,y,w,h,score\n1,9,9,40,90,0.5\n"))
     assert "3 boxes in frames 0 to 2, 1 of them to be ignored" in texts(page)
-    assert "Begins with frame 1, the ground truth with frame 0" in texts(page)
     open_files(page)
     assert page.table[-1].value["Boxes"].tolist() == ["3: 2 pedestrians, 1 to be ignored", "1"]
 
@@ -463,14 +462,6 @@ def test_boxes_that_another_system_has_are_pointed_out_at_the_field(tmp_path: Pa
     other = "\n".join([header, *reversed(rows)]).encode()
     send(page, "upload_system_1", ("other.csv", other))
     assert "The file has the same boxes as system 1 (X)." in texts(checked(page.run()))
-
-
-def test_detections_that_end_long_before_the_truth_are_pointed_out_at_the_field(tmp_path: Path):
-    truth, late = late_drive(tmp_path)
-    half = b"\n".join(late.splitlines()[:91])  # frames 3 to 32 of 60
-    assert "end long before" not in texts(late_page(tmp_path))
-    page = sent(truth, ("half.csv", half))
-    assert "The detections end long before the ground truth: truth at frame 32 of 59" in texts(page)
 
 
 @pytest.mark.parametrize(

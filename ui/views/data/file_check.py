@@ -10,13 +10,11 @@ from typing import Final
 import numpy as np
 import pandas as pd
 import streamlit as st
-from numpy.typing import NDArray
 from pandas.util import hash_pandas_object
 
-from nvcore.auditing.coverage import MIN_SILENT
 from nvcore.auditing.recordings import kitti_sizes
 from nvcore.common.errors import MissingFactError, NvcoreError
-from nvcore.common.wording import MOST_NAMED, count_text, listed
+from nvcore.common.wording import count_text
 from nvcore.dataset.schema import NO_TRACK
 from nvcore.dataset.sources import left_out_text
 from nvcore.inputs.readers.base import Reading, Role
@@ -31,9 +29,6 @@ from ui.widgets.text import plain
 USUAL_IN_KITTI: Final = ("kitti-tracking", "kitti-object")
 MOST_KEPT: Final = 40
 """Largest number of cached checks. The cache avoids reading files at every click."""
-CUT_SHARE: Final = 0.3
-"""Detections end early if this share of a recording's frames with truth comes after the last one.
-(Our choice. The audit uses a smaller share, but knows how near pedestrians are.)"""
 OF_BOX: Final = ["recording", "frame", "x", "y", "w", "h", "score"]
 """Columns by which boxes are compared."""
 
@@ -48,8 +43,6 @@ class FileCheck:
         Reason why the source cannot be used, or "".
     unknown
         Facts missing in its files, out of ``size`` and ``fps``.
-    first_frame
-        None without boxes.
     reading
         The reading without its boxes.
     doubt
@@ -57,8 +50,8 @@ class FileCheck:
     sizes
         Sizes (px) of recordings whose files state none, if the boxes end at the edge of a picture
         of KITTI.
-    frames
-        Ascending numbers of frames with boxes by recording, without ignored boxes of the truth.
+    boxed
+        Recordings with boxes.
     boxes
         Number of boxes, and a hash that does not depend on their order.
     """
@@ -67,11 +60,10 @@ class FileCheck:
     unknown: frozenset[str] = frozenset()
     format: str = ""
     summary: str = ""
-    first_frame: int | None = None
     reading: Reading | None = None
     doubt: str = ""
     sizes: Mapping[str, tuple[int, int]] = field(default_factory=dict)
-    frames: Mapping[str, NDArray[np.int64]] = field(default_factory=dict)
+    boxed: frozenset[str] = frozenset()
     boxes: tuple[int, int] = (0, 0)
 
     @property
@@ -135,26 +127,22 @@ def _check(
         return FileCheck(trouble=error_text(error))
     frames = reading.boxes["frame"]
     unknown = _unknown(reading) if role == "truth" else frozenset()
-    n_recordings, first_frame = count_text(len(reading.recordings), "recording"), None
+    n_recordings = count_text(len(reading.recordings), "recording")
     summary = f"{there.title}: {n_recordings}, {count_text(len(frames), 'box', 'boxes')}"
     if len(frames):
         summary += f" in frames {frames.min()} to {frames.max()}"
-        first_frame = int(frames.min())
     if n_ignored := int(reading.boxes["ignore"].sum()):
         summary += f", {n_ignored:,} of them to be ignored"
     doubt = (_doubt_of_truth if role == "truth" else _doubt_of_detections)(reading)
     sizes = _edge_sizes(reading) if name in USUAL_IN_KITTI and "size" in unknown else {}
-    counted = reading.boxes if role == "detections" else reading.boxes[~reading.boxes["ignore"]]
-    by_recording = counted.groupby("recording", observed=True)["frame"]
     return FileCheck(
         unknown=unknown,
         format=name,
         summary=summary,
-        first_frame=first_frame,
         reading=_light(reading),
         doubt=doubt,
         sizes=sizes,
-        frames={str(name): np.unique(numbers) for name, numbers in by_recording},
+        boxed=frozenset(reading.boxes["recording"].unique()),
         boxes=(len(frames), int(hash_pandas_object(reading.boxes[OF_BOX], index=False).sum())),
     )
 
@@ -216,7 +204,7 @@ def _size(truth: Reading | None) -> tuple[int, int] | None:
     return int(sizes[0, 0]), int(sizes[0, 1])
 
 
-def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> None:
+def draw_file_check(check: FileCheck | None) -> None:
     """Draw the content of a field's files, or why they cannot be used."""
     if check is None:
         return
@@ -228,29 +216,3 @@ def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> 
             st.caption(f"Left out: {plain(left_out)}.")
     if check.doubt:
         st.warning(plain(check.doubt), icon=":material/swap_vert:")
-    if early := _ends_early(check, truth):
-        st.warning(plain(early), icon=":material/content_cut:")
-    firsts = (check.first_frame, None if truth is None else truth.first_frame)
-    if set(firsts) == {0, 1}:
-        st.caption(
-            f"Begins with frame {firsts[0]}, the ground truth with frame {firsts[1]}. Should both "
-            "be the same picture: for CSV choose the first frame's number under “How to read”; "
-            "otherwise the audit proposes a correction after opening."
-        )
-
-
-def _ends_early(check: FileCheck, truth: FileCheck | None) -> str:
-    """Return in which recordings the detections end long before the ground truth, or ""."""
-    ends = []
-    for name, numbers in ({} if truth is None else truth.frames).items():
-        if (own := check.frames.get(name)) is None:
-            continue
-        n_after = int((numbers > own[-1]).sum())
-        if n_after >= max(MIN_SILENT, CUT_SHARE * len(numbers)):
-            ends.append(f"{name} at frame {own[-1]} of {numbers[-1]}")
-    if not ends:
-        return ""
-    return (
-        f"The detections end long before the ground truth: {listed(ends, most=MOST_NAMED)}. Check "
-        "that the file is complete."
-    )

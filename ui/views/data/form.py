@@ -183,7 +183,7 @@ class _Fields:
         against = truth()
         check = self._check(source, against)
         with below:
-            draw_file_check(check, against)
+            draw_file_check(check)
         return replace(source, check=check)
 
     def _draw_rare(

@@ -437,7 +437,7 @@ class Form:
                 continue
             rows = whole.system(system.name).frame_index
             own = {names[number] for number in np.unique(whole.frame_columns.recording[rows])}
-            twice = sorted(own & {title_of.get(name, name) for name in system.check.frames})
+            twice = sorted(own & {title_of.get(name, name) for name in system.check.boxed})
             if twice:
                 return (
                     f"{system.name} has detections in {listed(twice)} already. To put the file in "
