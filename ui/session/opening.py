@@ -23,14 +23,7 @@ from nvcore.dataset import Dataset
 from nvcore.inputs.facts import FRAME_RANGE, is_frame_range, with_paths_in
 from nvcore.inputs.files.find import NAME_PARTS
 from nvcore.inputs.readers.meaning.names import recording_of
-from nvcore.inputs.session import (
-    TABLES_OF_SUBJECTS,
-    RecordingEntry,
-    RecordingsFile,
-    Session,
-    Source,
-    SystemSource,
-)
+from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Source, SystemSource
 from ui.access.files import safe_name
 from ui.confined.reading import (
     load_confined,
@@ -132,30 +125,25 @@ def uploaded_session(
     finally:
         place.unlink()  # already read, and not counted against the quota
     sent = _Sent(folder, files)
-    if (table := session.recordings_file) is not None:
-        session = replace(session, recordings_file=RecordingsFile(str(sent.find(table.path)[0])))
-    if session.codes_file is not None:
-        session = replace(session, codes_file=str(sent.find(session.codes_file)[0]))
-    speeds = {entry.name: entry.speed for entry in session.recordings if entry.speed is not None}
-    session = with_uploaded_recordings(replace(session, folder=folder), pictures)
-    frames = None if session.frames is None else sent.frames(session.frames)
+    table = session.recordings_file
+    session = with_recordings_confined(
+        replace(
+            session,
+            folder=folder,
+            truth=sent.matches(session.truth),
+            systems=tuple(map(sent.matches, session.systems)),
+            recordings_file=table and RecordingsFile(sent.file(table.path)),
+        )
+    )
+    shown = [_uploaded_pictures(entry.pictures, pictures, folder) for entry in session.recordings]
+    bare = [
+        replace(entry, pictures=None, visible=None, visible_map=None)
+        for entry in session.recordings
+    ]
+    session = replace(session, recordings=tuple(bare)).with_paths(sent.file, folder=folder)
+    entries = zip(session.recordings, shown, strict=True)
     return replace(
-        session,
-        truth=sent.source(session.truth),
-        systems=tuple(sent.source(system) for system in session.systems),
-        recordings=tuple(
-            replace(
-                entry,
-                frames=None if entry.frames is None else sent.frames(entry.frames),
-                speed=str(sent.find(speeds[entry.name])[0]) if entry.name in speeds else None,
-            )
-            for entry in session.recordings
-        ),
-        frames=frames,
-        **{
-            name: with_paths_in(getattr(session, name), lambda path: str(sent.find(path)[0]))
-            for name in TABLES_OF_SUBJECTS
-        },
+        session, recordings=tuple(replace(entry, pictures=path) for entry, path in entries)
     )
 
 
@@ -198,17 +186,19 @@ class _Sent:
                 PurePosixPath(file.relative_to(folder).as_posix()) for file in (path, *inside)
             ]
 
-    def source(self, source: AnySource) -> AnySource:
+    def matches(self, source: AnySource) -> AnySource:
+        """Return the source with its globs replaced by files."""
         paths = [str(path) for text in source.path for path in self.find(text)]
-        source = with_paths_in(source, lambda text: str(self.find(text)[0]))
         return replace(source, path=tuple(paths))
 
-    def frames(self, text: str) -> str:
-        return text if is_frame_range(text) else str(self.find(text)[0])
+    def file(self, text: str) -> str:
+        return str(self.find(text)[0])
 
     def find(self, text: str) -> list[PurePosixPath]:
         """Return the path that shares the longest ending with `text`, or all matches of a glob."""
         target = PurePosixPath(text.replace("\\", "/"))
+        if target in self.paths:
+            return [target]
         shared = {path: _shared_end(path, target) for path in self.paths}
         most = max(shared.values(), default=0)
         matches = [path for path, n_parts in shared.items() if n_parts == most] if most else []

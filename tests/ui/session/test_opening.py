@@ -185,18 +185,19 @@ def test_a_file_that_a_system_names_beside_its_boxes_is_one_of_those_sent(tmp_pa
 
 
 def test_what_a_session_file_says_of_the_driver_is_one_of_the_files_sent(tmp_path: Path):
-    text = TOML.replace('name = "A"\n', 'name = "A"\nvisible = "/etc"\nlight = "/etc/passwd"\n')
+    text = TOML.replace('name = "A"\n', 'name = "A"\nvisible = "/etc"\n')
     opened = uploaded(tmp_path, text + '[driver]\ndetectability = "/home/me/A/det.txt"\n')
-    assert (opened.recordings[0].visible, opened.recordings[0].light) == (None, None)
+    assert opened.recordings[0].visible is None
     assert opened.driver.detectability == "A/det.txt"
     with pytest.raises(SessionError, match=r"'passwd', which was not sent"):
         uploaded(tmp_path, TOML + '[driver]\ndetectability = "/etc/passwd"\n')
 
 
-def test_speeds_and_codes_are_among_the_files_sent(tmp_path: Path):
-    text = TOML.replace('name = "A"\n', 'name = "A"\nspeed = "/home/me/nir_1.csv"\n')
+@pytest.mark.parametrize("series", ["speed", "light", "gaze"])
+def test_series_and_codes_are_among_the_files_sent(tmp_path: Path, series: str):
+    text = TOML.replace('name = "A"\n', f'name = "A"\n{series} = "/home/me/nir_1.csv"\n')
     opened = uploaded(tmp_path, text + '[codes]\npath = "/home/me/nir_2.csv"\n')
-    assert (opened.recordings[0].speed, opened.codes_file) == ("nir_1.csv", "nir_2.csv")
+    assert (getattr(opened.recordings[0], series), opened.codes_file) == ("nir_1.csv", "nir_2.csv")
     for wrong in (text.replace("nir_1", "passwd"), TOML + '[codes]\npath = "/etc/passwd.csv"\n'):
         with pytest.raises(SessionError, match=r"'passwd.csv', which was not sent"):
             uploaded(tmp_path, wrong)
