@@ -86,7 +86,6 @@ def draw_operating_point(result: Result) -> None:
                 label_visibility="collapsed",
                 help="Of every page, of reports and of files that are written here.",
             )
-        st.markdown(f":material/balance: {plain(state.say(note))}")
         if result.as_set is not None:
             moved = moved_of(result)
             st.button(
@@ -96,6 +95,7 @@ def draw_operating_point(result: Result) -> None:
                 args=(moved, result.system(moved).threshold),
                 help=f"Sets the threshold of {moved.upper()} in the sidebar.",
             )
+        st.markdown(f":material/balance: {plain(state.say(note))}")
 
 
 def _choose_point() -> None:

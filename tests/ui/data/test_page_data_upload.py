@@ -217,7 +217,7 @@ def test_the_edge_at_which_boxes_end_proposes_the_size_of_each_recording():
     send(page, "upload_system_0", *((name, detections) for name, _ in files))
     page = checked(page.run())
     assert list(asked(page).values()) == [1242, 375, 10]
-    assert "The boxes end at this width; in the others: 0016 1224 × 370." in texts(page)
+    assert "The boxes end at this width; other recordings: 0016 1224 × 370." in texts(page)
     page.text_input(key="upload_name_0").set_value("RRC")
     press(page, "open_upload")
     sizes = space_of(page).opened.dataset.recordings.set_index("name")["width"].to_dict()

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+from abc import ABC, abstractmethod
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from dataclasses import fields as dataclass_fields
 from pathlib import Path, PurePosixPath
-from typing import Any, Final, Literal, Protocol
+from typing import Any, Final, Literal
 
 import numpy as np
 import streamlit as st
@@ -83,7 +84,8 @@ class Chosen:
         return tuple(_path_in(folder, self.folder / path) for path in self.paths)
 
 
-class Place(Protocol):
+@dataclass
+class Place(ABC):
     """Place that files come from, such as an upload.
 
     Attributes
@@ -96,21 +98,26 @@ class Place(Protocol):
 
     name: str
     label: str
+    section: str = field(default="", init=False)
 
     def begin(self, section: str) -> None:
         """Begin a section, whose name is part of the keys of its fields.
 
         Each purpose and each open comparison has its own. Call this before any field is drawn.
         """
+        self.section = section
 
     def key(self, slot: str) -> str:
         """Return the key of a field."""
+        return f"{self.name}_{self.section}{slot}"
 
+    @abstractmethod
     def choose(
         self, slot: str, label: str, *, help_text: str | None = None, most: int | None = None
     ) -> Chosen:
         """Draw a field for files and return those chosen."""
 
+    @abstractmethod
     def content(self, chosen: Chosen, source: Source, role: Role) -> Hashable:
         """Return a key that changes when a source's files do.
 
@@ -120,13 +127,15 @@ class Place(Protocol):
             If they cannot be found.
         """
 
+    @abstractmethod
     def choose_pictures(self) -> tuple[dict[str, Path], list[str]]:
         """Draw the field for pictures. Return them by label, and why others are refused."""
 
+    @abstractmethod
     def finished(self, session: Session) -> Session:
         """Read the session's table of recordings, without files that the visitor may not name."""
 
-    def take(self) -> None:
+    def take(self) -> None:  # noqa: B027  # local files stay where they are
         """Remember that the chosen files are being opened."""
 
 

@@ -19,7 +19,7 @@ from ui.access.files import Entry, LocalRoot, check_confined
 from ui.confined.reading import find_confined, session_confined, with_recordings_confined
 from ui.session import store
 from ui.views.data.form import draw_form
-from ui.views.data.form_session import Chosen
+from ui.views.data.form_session import Chosen, Place
 from ui.views.data.missing_inputs import MissingInputs, ask_for_missing
 from ui.views.data.opening import draw_trouble, forget_outcome, try_to_open
 from ui.widgets.buttons import button
@@ -29,28 +29,17 @@ PLACE: Final = "local"
 SESSION: Final = "local_session"
 TOP: Final = "(top folder)"
 UP: Final = ".."
-PATTERN: Final = "Choose, or type a pattern such as */gt/gt.txt"
+PATTERN: Final = "Choose, or type a pattern such as */{}"
 _session_changed = partial(forget_outcome, SESSION)
 
 
 @dataclass
-class LocalFiles:
+class LocalFiles(Place):
     """Files and folders below the local root. One folder is listed at a time."""
 
     root: LocalRoot
-    folder: str
+    patterns: tuple[list[str], list[str]]
     entries: Sequence[Entry]
-    label: str
-    name: str = PLACE
-    section: str = ""
-
-    def begin(self, section: str) -> None:
-        """Begin a section of the form."""
-        self.section = section
-
-    def key(self, slot: str) -> str:
-        """Return the key of a field."""
-        return f"{PLACE}_{self.section}{slot}"
 
     def choose(
         self, slot: str, label: str, *, help_text: str | None = None, most: int | None = None
@@ -58,7 +47,7 @@ class LocalFiles:
         """Draw a field for files, folders and patterns. Those of other folders stay chosen."""
         options = [entry.path for entry in self.entries if not (most == 1 and entry.is_folder)]
         if most is None:
-            options = [*self.root.patterns(self.folder)[0], *options]
+            options = [*self.patterns[0], *options]
         more = {"max_selections": most, "help": help_text}
         paths = self._select(slot, label, options, on_change=forget_outcome, args=(PLACE,), **more)
         try:
@@ -72,7 +61,8 @@ class LocalFiles:
         chosen: list[str] = store.widget(key, []).get()
         options = [*chosen, *(path for path in options if path not in chosen)]
         if more.get("max_selections") is None:
-            more |= {"accept_new_options": True, "placeholder": PATTERN}
+            example = "img1" if slot == "pictures" else "gt/gt.txt"
+            more |= {"accept_new_options": True, "placeholder": PATTERN.format(example)}
         return st.multiselect(label, options, key=key, **more)
 
     def content(self, chosen: Chosen, source: Source, role: Role) -> Hashable:
@@ -98,8 +88,7 @@ class LocalFiles:
         """Draw the field for pictures."""
         places: dict[str, Path] = {}
         missing = []
-        folders = self.root.patterns(self.folder)[1]
-        paths = [*folders, *(entry.path for entry in self.entries)]
+        paths = [*self.patterns[1], *(entry.path for entry in self.entries)]
         for path in self._select("pictures", "Pictures", paths):
             try:
                 places |= {name: self.root.find(name) for name in self.root.matches(path)}
@@ -110,9 +99,6 @@ class LocalFiles:
     def finished(self, session: Session) -> Session:
         """Read the session's table of recordings. Nothing that it names leaves the root."""
         return _with_recordings(self.root, session)
-
-    def take(self) -> None:
-        """Do nothing: local files stay where they are."""
 
 
 def draw(root: LocalRoot) -> None:
@@ -127,7 +113,8 @@ def draw(root: LocalRoot) -> None:
     _draw_folder(path, entries)
     _draw_session(root, entries)
     st.markdown("**Or choose files and folders**, here and in other folders:")
-    draw_form(LocalFiles(root, path, entries, f"Files in {path}" if path else "Local files"))
+    label = f"Files in {path}" if path else "Local files"
+    draw_form(LocalFiles(PLACE, label, root, root.patterns(path), entries))
 
 
 def _draw_folder(current: str, entries: list[Entry]) -> None:

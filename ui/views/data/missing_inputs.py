@@ -123,7 +123,7 @@ def ask_for_missing(
     if sizes and usual is not None:
         most = Counter(sizes.values()).most_common(1)[0][0]
         others = {name: size for name, size in sizes.items() if size != most}
-        note = "; in the others: " * bool(others)
+        note = "; other recordings: " * bool(others)
         note += ", ".join(f"{name} {w} × {h}" for name, (w, h) in others.items())
         usual = replace(usual, size=most, note=f"The boxes end at this width{note}.")
         values["sizes"] = others

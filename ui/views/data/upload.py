@@ -26,7 +26,7 @@ from ui.session.uploads import (
 from ui.session.workspace import Workspace
 from ui.shell.messages import error_text
 from ui.views.data.form import draw_form
-from ui.views.data.form_session import Chosen
+from ui.views.data.form_session import Chosen, Place
 from ui.views.data.inputs import sent_pictures
 from ui.views.data.opening import forget_outcome
 from ui.widgets.text import plain
@@ -47,13 +47,10 @@ class OpenedFrom:
 
 
 @dataclass
-class Uploads:
+class Uploads(Place):
     """Uploaded files of the form that is being filled in."""
 
     space: Workspace
-    name: str = PLACE
-    label: str = "Uploaded files"
-    section: str = ""
     files: dict[str, list[UploadedFile]] = field(default_factory=dict)
     """The files of each field, by its key."""
 
@@ -67,7 +64,7 @@ class Uploads:
 
         This must happen before any field is drawn, because a redrawn field loses its files.
         """
-        self.section = section
+        super().begin(section)
         opened: OpenedFrom | None = self.space.notes.get(_OPENED)
         if opened is not None and (
             opened.section != section
@@ -79,8 +76,7 @@ class Uploads:
     def key(self, slot: str) -> str:
         """Return the key of a field. Each form has its own."""
         form = self.space.form
-        key = f"{PLACE}_{self.section}{slot}"
-        return f"{key}_{form}" if form else key
+        return f"{super().key(slot)}_{form}" if form else super().key(slot)
 
     def choose(
         self, slot: str, label: str, *, help_text: str | None = None, most: int | None = None
@@ -160,7 +156,7 @@ def draw() -> None:
     st.caption(
         "Files stay on this server only while this browser tab is open; nobody else sees them."
     )
-    lost, uploads = st.container(), Uploads(space)
+    lost, uploads = st.container(), Uploads(PLACE, "Uploaded files", space)
     draw_form(uploads)
     with lost:
         _tell_lost(uploads)
