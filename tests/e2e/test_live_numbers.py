@@ -16,7 +16,7 @@ from playwright.sync_api import BrowserContext, Page
 from scenes import draw_scene
 
 import nvcore as nv
-from nvcore.common.wording import minus
+from nvcore.common.wording import difference, minus
 from nvcore.comparison.compare import Result, compare
 from nvcore.comparison.measures.table import measure_of
 from nvcore.evidence.operating_points import at_operating_point
@@ -147,9 +147,12 @@ def test_numbers_are_written_as_by_python(blank: Page):
     cases = [
         (value, form) for value in values for form in (".0f", ".1f", ".2f", ".3f", ".0%", ".1%")
     ]
-    written = blank.evaluate(
-        f"cases => {{ {script}\n return cases.map(([value, form]) => formatted(value, form)); }}",
-        cases,
+    apart = [(value, value + step, form) for value, form in cases for step in (0.0, 0.002, -0.03)]
+    written, differences = blank.evaluate(
+        f"([cases, apart]) => {{ {script}\n return [cases.map((one) => formatted(...one)),"
+        " apart.map((one) => difference(...one))]; }",
+        [cases, apart],
     )
     expected = (minus(format(value, f"z,{form}")) for value, form in cases)
     assert written == [text.replace("%", " %") for text in expected]
+    assert differences == [minus(difference(*one)) for one in apart]

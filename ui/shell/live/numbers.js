@@ -1,25 +1,8 @@
 // Numbers of the page that follow the sliders: cells marked with their measure and its format.
 
-import { UNDEFINED, formatted } from "../../widgets/table/number_format.js";
+import { UNDEFINED, difference, formatted } from "../../widgets/table/number_format.js";
 
 const originals = new WeakMap(); // what the server drew, by element
-
-const MORE_DECIMALS = 3; // as nvcore.common.wording has it
-
-function difference(x, y, form) {
-  if (Number.isNaN(x) || Number.isNaN(y)) return UNDEFINED;
-  const isShare = form.endsWith("%");
-  const apart = (x - y) * (isShare ? 100 : 1);
-  const isAlike = formatted(x, form) === formatted(y, form);
-  let of = form.replace("%", "f");
-  let text = formatted(Math.abs(apart), of);
-  for (let more = 0; more < MORE_DECIMALS && !isAlike && !/[1-9]/.test(text); more += 1) {
-    of = `.${Number(of.slice(1, -1)) + 1}f`;
-    text = formatted(Math.abs(apart), of);
-  }
-  const sign = !/[1-9]/.test(text) ? "" : apart < 0 ? "−" : "+";
-  return sign + text + (isShare ? " pp" : "");
-}
 
 function setText(element, text) {
   if (!originals.has(element)) originals.set(element, element.textContent);

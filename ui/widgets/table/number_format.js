@@ -1,6 +1,7 @@
 // Numbers as the server writes them.
 
 export const UNDEFINED = "–";
+const MORE_DECIMALS = 3; // of a difference, as in nvcore.common.wording
 
 function grouped(text) {
   const [whole, ...rest] = text.split(".");
@@ -24,4 +25,20 @@ export function formatted(value, form) {
   const digits = form.endsWith("g") ? String(Number(size.toPrecision(decimals))) : grouped(rounded(size, decimals));
   const sign = !/[1-9]/.test(digits) ? "" : value < 0 ? "−" : form.startsWith("+") ? "+" : "";
   return sign + digits + (form.endsWith("%") ? " %" : "");
+}
+
+// X - Y as nvcore.common.wording.difference writes it, with a wide minus sign.
+export function difference(x, y, form) {
+  if (Number.isNaN(x) || Number.isNaN(y)) return UNDEFINED;
+  const isShare = form.endsWith("%");
+  const apart = (x - y) * (isShare ? 100 : 1);
+  const isAlike = formatted(x, form) === formatted(y, form);
+  let of = form.replace("%", "f");
+  let text = formatted(Math.abs(apart), of);
+  for (let more = 0; more < MORE_DECIMALS && !isAlike && !/[1-9]/.test(text); more += 1) {
+    of = `.${Number(of.slice(1, -1)) + 1}f`;
+    text = formatted(Math.abs(apart), of);
+  }
+  const sign = !/[1-9]/.test(text) ? "" : apart < 0 ? "−" : "+";
+  return sign + text + (isShare ? " pp" : "");
 }
