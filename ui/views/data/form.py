@@ -40,7 +40,6 @@ from ui.views.data.side_files import (
     RECORDINGS_HELP,
     RECORDINGS_LABEL,
     ChosenPictures,
-    FrameList,
     RecordingsTable,
     draw_frame_list,
     draw_pictures,
@@ -85,7 +84,7 @@ def draw_form(place: Place) -> None:
     with st.columns([1, 3])[1]:
         rows = place.choose("recordings", RECORDINGS_LABEL, help_text=RECORDINGS_HELP, most=1)
         below = st.container()
-        frames = FrameList()
+        frames = Chosen(Path())
         if purpose == "new" or (purpose == "replace" and len(form_fields.open_names) == 1):
             listing = place.choose("frames", FRAMES_LABEL, help_text=FRAMES_HELP, most=1)
             frames = draw_frame_list(listing, recordings)
@@ -100,7 +99,7 @@ def draw_form(place: Place) -> None:
     with below:
         names_of_pictures = [path.name for path in places.values()]
         known = [*recordings, *(titles_by_name(opened) if opened else ())]
-        table = draw_recordings(rows, [] if frames.path else known, names_of_pictures)
+        table = draw_recordings(rows, [] if frames.paths else known, names_of_pictures)
     recording = ""
     if opened is None:
         with truth.beside:

@@ -39,7 +39,7 @@ from ui.views.data.file_check import FileCheck
 from ui.views.data.missing_inputs import MissingInputs
 from ui.views.data.names import with_recording_name
 from ui.views.data.recordings import NAMES
-from ui.views.data.side_files import ChosenPictures, FrameList, RecordingsTable
+from ui.views.data.side_files import ChosenPictures, RecordingsTable
 
 Purpose = Literal["new", "add", "replace"]
 PURPOSES: Final[Mapping[Purpose, str]] = {
@@ -198,7 +198,7 @@ class Form:
     names: Sequence[str]
     recordings: Sequence[str]
     recording: str
-    frames: FrameList
+    frames: Chosen
     table: RecordingsTable
     series: Mapping[str, Mapping[str, Path]]
     pictures: ChosenPictures
@@ -229,7 +229,7 @@ class Form:
             folder=folder,
             truth=Source(path=self.truth.chosen.paths, **self.truth.reading),
             systems=tuple(self._new_systems(folder)),
-            frames=self.frames.path,
+            frames=self._frames_from(folder),
             recordings_file=self.table.file,
             objects=self.objects,
         )
@@ -262,14 +262,11 @@ class Form:
         is_same = (truth, *systems) == (session.truth, *session.systems)
         sources = dict(zip(("truth", *opened.whole.systems), session.sources, strict=True))
         now = dict(zip(sources, (truth, *systems), strict=False))
-        frames = session.frames
-        if self.frames.path is not None:
-            frames = _path_in(folder, self.frames.folder / self.frames.path)
         changed = replace(
             session,
             truth=truth,
             systems=tuple(systems),
-            frames=frames,
+            frames=self._frames_from(folder) or session.frames,
             only=(*session.only, *added) if session.only else (),
             recordings_file=None,
             hashes={
@@ -280,9 +277,12 @@ class Form:
         )
         every = [*names, *added]
         changes = self._changes(changed, every)
-        if is_same and not changes and self.frames.path is None:
+        if is_same and not changes and not self.frames.paths:
             raise InputError("Choose the files to add, or those to take the place of others.")
         return with_recordings(changed, every, changes)
+
+    def _frames_from(self, folder: Path) -> str | None:
+        return next(iter(self.frames.paths_from(folder)), None)
 
     def _new_systems(self, folder: Path, n_open: int = 0) -> list[SystemSource]:
         """Return the systems with files behind those that are open."""

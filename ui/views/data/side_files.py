@@ -86,16 +86,6 @@ class RecordingsTable:
 
 
 @dataclass(frozen=True)
-class FrameList:
-    """List of evaluated frames. Its path is None if it cannot be used."""
-
-    path: str | None = None
-    summary: str = ""
-    trouble: str = ""
-    folder: Path = Path()
-
-
-@dataclass(frozen=True)
 class ChosenPictures:
     """Pictures of a form that can be opened, by label, and why nothing is opened yet."""
 
@@ -184,33 +174,31 @@ def draw_recordings(
     return table
 
 
-def draw_frame_list(chosen: Chosen, recordings: Sequence[str]) -> FrameList:
+def draw_frame_list(chosen: Chosen, recordings: Sequence[str]) -> Chosen:
     """Read a list of frames and show its content, or why it cannot be used."""
     if chosen.is_empty:
-        return FrameList()
+        return chosen
 
-    def read(path: str) -> FrameList:
+    def read(path: str) -> tuple[str]:
         frames = frames_confined(path, chosen.folder)
         steps = np.diff(frames)
         summary = f"{len(frames):,} frames, {frames[0]} to {frames[-1]}"
         if len(steps) and steps[0] > 1 and (steps == steps[0]).all():
             summary += f", {steps[0]} apart"
-        return FrameList(path, summary, folder=chosen.folder)
+        return (summary,)
 
     found = _read(chosen, read, "a text file with one frame number a line", MOST_BYTES)
-    frame_list = FrameList(trouble=found) if isinstance(found, str) else found
-    if not frame_list.trouble and len(recordings) > 1:
-        frame_list = replace(
-            frame_list,
-            path=None,
-            trouble=f"is of one recording, and the ground truth has {len(recordings):,}: give the "
-            "list of each recording in a session file, as frames under its [[recording]]",
+    trouble = found if isinstance(found, str) else ""
+    if not trouble and len(recordings) > 1:
+        trouble = (
+            f"is of one recording, and the ground truth has {len(recordings):,}: give the list of "
+            "each recording in a session file, as frames under its [[recording]]"
         )
-    if frame_list.trouble:
-        st.error(plain(frame_list.trouble), icon=":material/error:")
-    else:
-        st.caption(f"Read as {plain(frame_list.summary)}.")
-    return frame_list
+    if trouble:
+        st.error(plain(trouble), icon=":material/error:")
+        return replace(chosen, paths=(), trouble=trouble)
+    st.caption(f"Read as {plain(found[0])}.")
+    return chosen
 
 
 def draw_pictures(
