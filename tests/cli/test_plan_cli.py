@@ -15,11 +15,18 @@ FOUND = ("--measure", "encounters_detected")
 
 
 def test_the_plan_says_how_many_recordings_and_the_power_of_other_sizes():
-    ran = nvcore("plan", SAMPLE, "--measure", "saliency", "--difference", "0.5")
+    ran = nvcore("plan", SAMPLE, "--measure", "log_average_miss_rate", "--difference", "10%")
     assert ran.exit_code == 0, ran.output
     assert ran.stdout.startswith("Audit: 1 note.")
-    assert "would show a difference of 0.50 s in 80 % of studies" in ran.stdout
-    assert "difference as found (-0.48 s)\n  recordings  encounters" in ran.stdout
+    assert "would show a difference of 10.0 pp in 80 % of studies" in ran.stdout
+    assert "difference as found (-5.3 pp)\n  recordings  encounters" in ran.stdout
+
+
+def test_too_few_recordings_to_plan_from_have_no_number():
+    ran = nvcore("plan", SAMPLE)
+    assert ran.exit_code == 0, ran.output
+    assert "can be given (too few recordings to plan from: " in ran.stdout
+    assert "power" not in ran.stdout
 
 
 def test_by_itself_it_plans_for_the_primary_measure():

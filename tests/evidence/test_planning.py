@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 from builders import Place, at, make_dataset, result_of
 from drives import by_figure, drives, quiet_drives
-from scipy.stats import nct, norm, t
+from scipy.stats import f, nct, norm, t
 
 from nvcore.api.comparison import Comparison
 from nvcore.common.arguments.plan import PlanArguments
@@ -39,8 +40,10 @@ from nvcore.evidence.planning.power import (
     count_noninferior,
     exchange_p,
     find_length,
+    rough_length,
     studentised_tail,
 )
+from nvcore.evidence.planning.repeated_pilots import find_range
 from nvcore.evidence.planning.thresholds import (
     Curve,
     Thresholds,
@@ -161,6 +164,84 @@ def test_what_no_study_shows_has_no_size():
     assert length.points[-1].n_recordings == MOST_RECORDINGS
     easy = find_length(lambda _, n_studies: n_studies, guess=100, least=6, target=0.8)
     assert easy.n_recordings == 6
+
+
+@pytest.mark.parametrize("difference", [0.25, 0.5, 1.0])
+def test_the_rough_size_is_near_the_size(difference: float):
+    pilot, asked = normal_pilot(20), {"guess": 100, "least": 6, "target": 0.8}
+    count = partial(count_differences_shown, pilot, difference, level=0.05)
+    length = find_length(count, **asked)
+    roughly = partial(count, is_rough=True)
+    rough = rough_length(roughly, **asked, level=0.05, most=MOST_RECORDINGS)
+    assert rough == pytest.approx(length.n_recordings, rel=0.25)
+    assert rough_length(lambda *_: 0, **asked, level=0.05, most=MOST_RECORDINGS) == math.inf
+
+
+def size_range(pilot: Pilot, n_recordings: int, difference: float = 0.5) -> tuple[int, int] | None:
+    """Range of sizes for a difference at 80 % power."""
+    return find_range(
+        lambda of: partial(count_differences_shown, of, difference, level=0.05, is_rough=True),
+        pilot,
+        n_recordings,
+        least=6,
+        level=0.05,
+        target=0.8,
+    )
+
+
+def test_the_range_is_at_least_the_one_of_normal_differences_and_narrows_with_the_pilot():
+    few, many = size_range(normal_pilot(12), 1000), size_range(normal_pilot(200), 1000)
+    for (low, high), n in ((few, 12), (many, 200)):
+        least = f.ppf(0.9, n - 1, n - 1)  # ratio of the variances of two pilots
+        assert low <= 1000 / least
+        assert least * 1000 <= high < 1.4 * least * 1000
+    assert size_range(normal_pilot(12), 1000) == few  # the seed is fixed
+
+
+def test_a_pilot_that_rests_on_a_single_recording_has_no_range():
+    parts = np.zeros(12)
+    parts[3] = 6.0
+    pilot = Pilot(0.5, parts, np.ones(12), parts != 0, 4.0, 60.0)
+    assert size_range(pilot, 1000) is None  # a third of repeated pilots does not draw it
+    assert size_range(normal_pilot(12), 1000) is not None
+    assert size_range(normal_pilot(12), 1000, difference=1e-9) is None  # no size shows that
+
+
+@pytest.mark.parametrize("clumped", [False, True])
+def test_uncertain_false_alarms_leave_no_range(clumped: bool):
+    """Y has as many false alarms as X as set, and may find more or less at equal ones."""
+    pilot = normal_pilot(12)
+    of_y = np.where(np.arange(12) == 3, 120.0, 0.0) if clumped else np.full(12, 10.0)
+    of_x = np.full(12, 10.0)
+    x, y = (
+        Curve(np.outer([0.5, 1, 2], alarms), np.outer([-8, 0, 8], np.ones(12)) + parts)
+        for alarms, parts in ((of_x, pilot.parts), (of_y, np.zeros(12)))
+    )
+    as_set = tuple(Curve(of.alarms[1:2], of.parts[1:2]) for of in (x, y))
+    at_thresholds = replace(pilot, thresholds=Thresholds(as_set, (x, y)))
+    assert (size_range(at_thresholds, 1000) is None) == clumped
+
+
+def test_repeated_pilots_have_these_recordings_and_their_difference():
+    pilot = normal_pilot(12)
+    others = list(pilot.repeated(np.random.default_rng(0), 400))
+    for other in others[:5]:
+        assert len(other) == 12
+        assert set(other.parts) < set(pilot.parts)
+        assert other.difference == pytest.approx(other.parts.mean())
+    spread = np.std([other.difference for other in others])
+    assert spread == pytest.approx(pilot.parts.std() / math.sqrt(12), rel=0.1)
+
+
+def test_too_few_recordings_to_plan_from_give_no_number():
+    truth = [at(f, 50, track=1, recording=r) for r in range(8) for f in range(6)]
+    x = [box for box in truth if box.recording]  # X misses one pedestrian of eight, Y none
+    plan = plan_recordings(result_of(make_dataset(truth, x, truth, places=[Place(range(6))] * 8)))
+    (size,) = plan.sizes
+    assert (size.n_recordings, size.most_recordings, size.points) == (None, None, ())
+    assert size.reason.startswith("too few recordings to plan from: ")
+    first, *_ = notes_for_verdict(plan)
+    assert (first.key, first["reason"]) == ("plan.no_size", size.reason)
 
 
 @pytest.mark.parametrize(("lucky", "n_recordings"), [(200, 205), (MOST_RECORDINGS, None)])
@@ -375,7 +456,8 @@ def test_a_plan_in_words():
         "At 95 % confidence, these 12 recordings exclude a difference X - Y below +"
     )
     assert " would show a difference of 20.0 pp in 80 % of studies (simulated: " in named
-    assert "Estimated from 12 recordings, the number of recordings is itself uncertain: " in named
+    most = plan.sizes[0].most_recordings
+    assert f" recordings: plan for {most} to keep the 80 %" in named
     assert " would show a difference as large as found here (+" in found
     assert level.startswith("A study shows this if p of this measure alone")
     assert fresh.startswith("This is the size of a separate study")

@@ -58,12 +58,17 @@ def notes_of_plan(plan: Plan) -> tuple[Note, ...]:
 
 
 def notes_for_verdict(plan: Plan) -> tuple[Note, ...]:
-    """Return notes on the study size that would show the difference as found, if known."""
+    """Return notes on the study size that would show the difference as found, or on having none.
+
+    A plan without a pilot, or for non-inferiority, only says which differences are excluded.
+    """
     row, size = plan.evidence, plan.sizes[-1]
     ends = _known_ends(row)
-    extent = _extent(size)
-    if plan.noninferiority is not None or extent is None:
+    if plan.noninferiority is not None or plan.n_differing is None:
         return ends
+    extent = _extent(size)
+    if extent is None:
+        return _size(plan, size), *ends
     needed = Note(
         "plan.needed",
         extent=extent,
@@ -71,6 +76,8 @@ def notes_for_verdict(plan: Plan) -> tuple[Note, ...]:
         key=row.figure,
         difference=size.difference,
         power=plan.power,
+        least=size.least_recordings or 0,
+        most=size.most_recordings or 0,
     )
     return needed, *ends
 

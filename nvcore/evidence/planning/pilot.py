@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -15,7 +17,7 @@ from nvcore.evidence.companions import judge_keys
 from nvcore.evidence.measures import Evidence, UnitMeasure, unit_measures
 from nvcore.evidence.miss_rate import NEEDED, judge_miss_rate, log_average_miss_rate_measure
 from nvcore.evidence.paired_tests import MIN_SWAPPED
-from nvcore.evidence.planning.thresholds import Thresholds
+from nvcore.evidence.planning.thresholds import Curve, Thresholds, parts_at_equal_alarms
 from nvcore.evidence.units import WHOLE, Units, find_units, sum_units, units_within
 from nvcore.metrics.detection.filtered_truth import filter_truth
 from nvcore.settings.protocols import PROTOCOLS, Protocol
@@ -103,6 +105,28 @@ class Pilot:
             return False
         x, y = (float(of.alarms.sum()) for of in self.thresholds.as_set)
         return bool(np.sign(difference) * self.sign == np.sign(x - y))
+
+    def repeated(self, rng: np.random.Generator, n_times: int) -> Iterator[Pilot]:
+        """Yield pilots of as many recordings, drawn from these with replacement.
+
+        At equal false alarms, each has thresholds of its own. Its difference then follows to first
+        order, as in `nvcore.evidence.companions.shifts_at_equal_alarms`.
+        """
+        parts, n = self.parts, len(self)
+        if self.thresholds is not None and self.thresholds.is_equalized:
+            (shifted,), *_ = parts_at_equal_alarms(self.thresholds, np.ones((1, n), dtype=int))
+            parts = shifted if np.isfinite(shifted).all() else parts
+        for rows in rng.integers(0, n, (n_times, n)):
+            total = float(self.weights[rows].sum())
+            yield replace(
+                self,
+                difference=float(parts[rows].sum()) / total if total else np.nan,
+                parts=parts[rows],
+                weights=self.weights[rows],
+                differs=self.differs[rows],
+                thresholds=self.thresholds
+                and self.thresholds.change(partial(Curve.of_recordings, rows=rows)),
+            )
 
     @property
     def widening(self) -> float:

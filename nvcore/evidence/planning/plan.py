@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final, Literal, get_args
 
 import numpy as np
 import pandas as pd
-import scipy
 
 from nvcore.common.arguments.plan import PlanArguments, Side
 from nvcore.common.errors import ParameterError
@@ -26,13 +25,13 @@ from nvcore.evidence.planning.notes import notes_of_plan
 from nvcore.evidence.planning.pilot import Pilot, judge_key, make_pilot, plan_key
 from nvcore.evidence.planning.power import (
     MOST_RECORDINGS,
-    CountShown,
     PowerPoint,
     count_differences_shown,
     count_noninferior,
     find_length,
     guess_length,
 )
+from nvcore.evidence.planning.repeated_pilots import WIDEST, find_range
 from nvcore.evidence.planning.thresholds import Thresholds, vary_thresholds
 from nvcore.evidence.units import WHOLE, Units, find_units
 from nvcore.notes import say
@@ -41,8 +40,6 @@ from nvcore.settings.protocols import PROTOCOLS, Protocol
 
 ONE_SIDED: Final = 0.025
 """Level at which the 95 % interval shows non-inferiority."""
-SPREAD_SHARE: Final = 0.8
-"""Nominal share of pilots whose range of sizes contains the required size."""
 
 Assumption = Literal["as found", "as named", "equal"]
 
@@ -63,8 +60,8 @@ class PlanSize:
     power, power_low, power_high
         Share of simulated studies of that size that succeed, with 95 % Monte Carlo interval.
     least_recordings, most_recordings
-        Range of `n_recordings` given the pilot's uncertain spread: 80 % if recordings vary
-        normally.
+        Range of `n_recordings` that 80 % of pilots like this one ask for. A study of the larger
+        one keeps the promised power more surely.
     points
         Power of the simulated studies.
     reason
@@ -289,11 +286,12 @@ def _size(
     pilot: Pilot, size: PlanSize, asked: PlanArguments, better: Better, progress: Progress
 ) -> PlanSize:
     """Compute the study size for one assumed difference, or the reason for having none."""
-    count: CountShown
+    shown: Callable[..., int]
     difference, reason = size.difference, ""
     if asked.margin is None:
         distance, least, level = difference, MIN_SWAPPED, SIGNIFICANT / asked.n_tests
-        count = partial(count_differences_shown, pilot, difference, level=level)
+        shown = partial(count_differences_shown, level=level)
+        rough = partial(shown, is_rough=True)
         if difference == 0:
             reason = "X and Y are equal in these recordings: name a difference"
         elif pilot.is_withheld(difference):
@@ -304,7 +302,7 @@ def _size(
     else:
         sign = favour(asked.candidate, better)
         distance, least, level = sign * difference + asked.margin, MIN_UNITS, 2 * ONE_SIDED
-        count = partial(count_noninferior, pilot, difference, margin=asked.margin, sign=sign)
+        shown = rough = partial(count_noninferior, margin=asked.margin, sign=sign)
         if distance <= 0:
             reason = (
                 "the candidate is then worse by the margin or more: no study shows that it is not"
@@ -312,17 +310,33 @@ def _size(
     if reason:
         return replace(size, reason=reason)
     guess = guess_length(pilot, distance, level=level, target=asked.power)
-    length = find_length(count, guess=guess, least=least, target=asked.power, progress=progress)
+    length = find_length(
+        partial(shown, pilot, difference),
+        guess=guess,
+        least=least,
+        target=asked.power,
+        progress=progress,
+    )
     n = length.n_recordings
     if n is None:
         reason = f"more than {MOST_RECORDINGS:,} recordings like these"
         return replace(size, points=length.points, reason=reason)
+    progress(0.95, "repeated pilots")
+    ends = find_range(
+        lambda of: partial(rough, of, difference),
+        pilot,
+        n,
+        least=least,
+        level=level,
+        target=asked.power,
+    )
+    if ends is None:
+        reason = (
+            f"too few recordings to plan from: the sizes that pilots of {len(pilot)} like these "
+            f"ask for differ by a factor of more than {WIDEST}"
+        )
+        return replace(size, reason=reason)
     point = next(point for point in length.points if point.n_recordings == n)
-    degrees = len(pilot) - 1
-    tail = (1 - SPREAD_SHARE) / 2
-    # the size is proportional to the variance, which few recordings estimate badly
-    ends = [n * degrees / scipy.special.chdtri(degrees, q) for q in (tail, 1 - tail)]
-    least_n, most_n = (max(least, int(np.ceil(end))) for end in ends)
     return replace(
         size,
         n_recordings=n,
@@ -331,8 +345,8 @@ def _size(
         power=point.power,
         power_low=point.low,
         power_high=point.high,
-        least_recordings=least_n,
-        most_recordings=most_n,
+        least_recordings=ends[0],
+        most_recordings=ends[1],
         points=length.points,
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -23,6 +23,9 @@ from nvcore.metrics.detection.operating_point import are_unequal_alarms
 N_THRESHOLDS: Final = 24
 REACH: Final = 8.0
 """Factor by which the tried thresholds reduce or increase the false alarms of X and Y at most."""
+
+LARGEST_ERROR: Final = 100.0
+"""Limit of the standard error of a logarithm, beyond any ratio of false alarms."""
 
 ALARMS: Final = "false alarms"
 Sums = Mapping[str, np.ndarray]
@@ -72,6 +75,10 @@ class Curve:
         mean = both.mean(axis=2, keepdims=True)
         return Curve(*(mean + factor * (both - mean)))
 
+    def of_recordings(self, rows: np.ndarray) -> Curve:
+        """Return the curve of these recordings (rows, with repetition)."""
+        return Curve(self.alarms[:, rows], self.parts[:, rows])
+
 
 @dataclass(frozen=True, eq=False)
 class Thresholds:
@@ -83,16 +90,20 @@ class Thresholds:
         Curves of X and Y with a single threshold, the one as set.
     curves
         Curves of X and Y; None for a system without scores.
+    is_equalized
+        Whether the pilot's difference is the one at equal false alarms.
     """
 
     as_set: tuple[Curve, Curve]
     curves: tuple[Curve | None, Curve | None]
+    is_equalized: bool = False
 
-    def widened(self, factor: float) -> Thresholds:
-        """Widen all curves, see `Curve.widened`."""
-        x, y = (of.widened(factor) for of in self.as_set)
-        curve_x, curve_y = (of and of.widened(factor) for of in self.curves)
-        return Thresholds((x, y), (curve_x, curve_y))
+    def change(self, of: Callable[[Curve], Curve]) -> Thresholds:
+        """Change all curves."""
+        x, y = self.as_set
+        curve_x, curve_y = self.curves
+        changed = (of(x), of(y)), (curve_x and of(curve_x), curve_y and of(curve_y))
+        return Thresholds(*changed, self.is_equalized)
 
 
 def vary_thresholds(result: Result, units: Units) -> dict[str, Thresholds]:
@@ -131,6 +142,7 @@ def vary_thresholds(result: Result, units: Units) -> dict[str, Thresholds]:
         key: Thresholds(
             (curve(key, "x", [first]), curve(key, "y", [first])),
             (curves(key, "x"), curves(key, "y")),
+            is_equalized=result.as_set is not None,
         )
         for key in first["x"]
         if key != ALARMS
@@ -199,7 +211,7 @@ def _parts_of(
     target = np.maximum(n_other, 1.0)
     alarms, moved = curve.at(drawn, target)
     parts, apart = moved - other.parts[0], alarms - other.alarms[0]
-    error = np.sqrt((drawn * apart**2).sum(axis=1)) / target
+    error = np.minimum(np.sqrt((drawn * apart**2).sum(axis=1)) / target, LARGEST_ERROR)
     n_fewer = np.clip(target * np.exp(-error), 1, np.maximum(target - 1, 1))
     _, fewer = curve.at(drawn, n_fewer)
     if other_curve is None:

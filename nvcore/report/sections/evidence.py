@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -151,10 +152,13 @@ def plan_section(result: Result, evidence: pd.DataFrame, plans: Mapping[str, Pla
     else:
         share = percent(PlanArguments.power)
         title = f"Recordings that would show a difference as found, in {share} of studies"
+        measures = defaultdict(list)
+        for plan in plans.values():
+            measures[plan.sizes[0].reason].append(plan.evidence.label)
         reasons = [
-            f"{capitalised(plan.evidence.label)}: {plan.sizes[0].reason}."
-            for plan in plans.values()
-            if plan.sizes[0].reason
+            f"{capitalised('; '.join(labels))}: {reason}."
+            for reason, labels in measures.items()
+            if reason
         ]
         advice = [Note("plan.optimistic"), Note("plan.fresh")]
         advice += [Note("plan.unequal")] if are_unequal(result) else []
@@ -176,7 +180,7 @@ def _plan_row(plan: Plan) -> dict[str, str]:
         "Excluded: below": difference(row.low, 0, form),
         "Excluded: above": difference(row.high, 0, form),
         "Recordings": number(size.n_recordings, "d"),
-        "Or rather": span,
+        "Range": span,
         "Encounters": number(size.n_encounters if is_found else None, "d"),
         "Time": duration_text(size.duration_s) if is_found else UNDEFINED,
     }

@@ -32,20 +32,28 @@ def computed(app: AppTest) -> AppTest:
     return checked(app.run())
 
 
-def test_unfolding_the_question_asks_it_and_the_verdict_then_says_how_many():
+def test_unfolding_the_question_asks_it_and_the_verdict_then_has_the_answer():
     app = asked(checked(opened()))
-    assert "recordings like these" not in texts(app)
+    assert "recordings to plan from" not in texts(app)
     app = computed(app)
     words = texts(app).replace("\\", "")
-    assert (
-        "would show a difference as large as found here (-0.083 s per encounter) in 80 % of"
-        in words
-    )
-    assert "difference in severity of missed pedestrians per encounter as large as here" in words
-    assert any("How many recordings would show it" in str(plot) for plot in figures(app))
+    answer = "a difference as large as found here (-0.083 s per encounter): no number of recordings"
+    assert words.lower().count(answer) == 2  # in the verdict and below the question
+    assert not any("How many recordings would show it" in str(plot) for plot in figures(app))
     checked(app.slider(key="alpha").set_value(0.5).run())  # another comparison: asked for anew
-    assert "would show" not in texts(app)
+    assert "recordings to plan from" not in texts(app)
     assert app.button(key=f"{plan.RUN.name}_start")
+
+
+def test_a_size_says_what_to_plan_for_and_has_its_power_drawn():
+    app = alone()
+    checked(app.selectbox(key="plan_measure").set_value("log_average_miss_rate").run())
+    checked(app.button(key=f"{plan.RUN.name}_start").click().run())
+    app = computed(app)
+    words = texts(app).replace("\\", "")
+    assert "would show a difference as large as found here (-5.3 pp) in 80 % of studies" in words
+    assert " recordings: plan for " in words
+    assert any("How many recordings would show it" in str(plot) for plot in figures(app))
 
 
 def test_a_margin_asks_whether_a_system_is_at_most_so_much_worse():
