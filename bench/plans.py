@@ -1,30 +1,25 @@
-"""Check the power of planned studies: how many fresh studies of that size find the difference.
+"""Check plans from small pilots: do their ranges hold, and the power that they promise?
 
-    python -m bench.plans --keep ROWS.jsonl [--studies 1000] [--processes 2] [--write]
+    python -m bench.plans --keep ROWS.jsonl [--pilots 30] [--studies 4] [--processes 2] [--write]
 
-The module plans a study of the primary measure with 80 % power, from a pilot of 1,000 recordings by
-`bench.claims` and the true difference, known from 20,000 more. Then it draws fresh studies of that
-size, and counts those whose verdict claims the measure for the better system. The same is done for
-the sample: a plan for its observed difference, and studies that draw its ten recordings with
-replacement, as the plan assumes. Rows are kept as in `bench.claims`.
+Pilots of 8, 12 and 20 recordings by `bench.claims`, of unequal length and with people in groups,
+plan a study of the primary measure with 80 % power. The difference to be shown is the true one,
+known from 20,000 recordings. Of each plan, fresh studies of the planned size and of the range's
+upper end are drawn, and those counted whose verdict claims the measure for the better system. Rows
+are kept as in `bench.claims`.
 """
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any, Final
 
 import numpy as np
 
 from bench.claims import (
-    ROOT,
-    SCENARIOS,
     SEED,
     Scenario,
-    Systems,
     draw_dataset,
     fewer_misses,
     judge,
@@ -34,129 +29,127 @@ from bench.claims import (
 )
 from nvcore.common.arguments.plan import PlanArguments
 from nvcore.comparison.compare import compare
-from nvcore.comparison.measures.table import measure_of
-from nvcore.dataset import Dataset
-from nvcore.dataset.tables import dataset_from_tables
-from nvcore.evidence.claims import values_of, winner_of
+from nvcore.evidence.claims import values_of
 from nvcore.evidence.operating_points import at_operating_point
 from nvcore.evidence.planning import plan_recordings
-from nvcore.inputs.load import load
-from nvcore.inputs.session.toml import read_session
 from nvcore.metrics.shares import share_of
 from nvcore.settings.primary import DEFAULT
 
 BEGIN: Final = "<!-- plans: written by `python -m bench.plans --write` -->"
 END: Final = "<!-- end of plans -->"
-SAMPLE: Final = "sample"
-PLANS: Final = {
-    "half": "Y misses half as much",
-    "third": "Y misses a third less",
-    "two thresholds": "Y misses half as much, X and Y at thresholds of their own",
-    SAMPLE: "the sample's own recordings",
+SHARES: Final = {
+    "Y misses half as much": 1 / 2,
+    "Y misses a third less": 2 / 3,
+    "Y misses a fifth less": 4 / 5,
 }
-N_PILOT: Final = 1_000
+PLANS: Final = {
+    name: Scenario(name, fewer_misses(share), has_lengths=True, has_groups=True, is_null=False)
+    for name, share in SHARES.items()
+}
+SIZES: Final = (8, 12, 20)
 N_TRUE: Final = 20_000
-CHUNK: Final = 10
+HEAD: Final = (
+    "true difference",
+    "pilot",
+    "plan given",
+    "recordings planned",
+    "upper end",
+    "other pilots in range",
+    "middle plan in range",
+    "claimed as planned",
+    "claimed at the upper end",
+)
 
 
-def two_thresholds(rng: np.random.Generator, n: int) -> Systems:
-    """Draw Y with half as many misses as X, each with the same threshold in all studies."""
-    x, y = fewer_misses(1 / 2)(rng, n)
-    return replace(x, threshold=0.1), replace(y, threshold=0.35)
-
-
-SYSTEMS: Final = {**SCENARIOS, "two thresholds": Scenario("", two_thresholds)}
+def generator(name: str, *numbers: int) -> np.random.Generator:
+    return np.random.default_rng([SEED, list(PLANS).index(name), *numbers])
 
 
 @cache
-def sample() -> Dataset:
-    return load(read_session(ROOT / "sample_data" / "session.toml"))
+def true_difference(name: str) -> float:
+    """Return the size of X - Y at equal false alarms."""
+    result = compare(draw_dataset(PLANS[name], N_TRUE, generator(name, 0)))
+    return abs(float(np.subtract(*values_of(DEFAULT, at_operating_point(result, "equal-alarms")))))
 
 
-@cache
-def planned(name: str) -> tuple[int, str]:
-    """Return the number of recordings that a plan asks for, and the better system."""
-
-    def drawn(n: int, number: int) -> Any:
-        rng = np.random.default_rng([SEED, sorted(PLANS).index(name), number])
-        dataset = sample() if name == SAMPLE else draw_dataset(SYSTEMS[name], n, rng)
-        return at_operating_point(compare(dataset), "equal-alarms")
-
-    difference = float(np.subtract(*values_of(DEFAULT, drawn(N_TRUE, 0))))
-    size = None if name == SAMPLE else abs(difference)
-    asked = PlanArguments(measure=DEFAULT, difference=size)
-    n = plan_recordings(drawn(N_PILOT, 1), asked).sizes[0].n_recordings
-    assert n is not None
-    return n, winner_of(difference, measure_of(DEFAULT).better)
-
-
-def draw_study(name: str, n: int, rng: np.random.Generator) -> Dataset:
-    """Draw a fresh study of n recordings."""
-    if name != SAMPLE:
-        return draw_dataset(SYSTEMS[name], n, rng)
-    return draw_recordings(sample(), rng.integers(0, len(sample().recordings), n))
+def make_rows(task: tuple[str, int, int, int]) -> list[dict[str, Any]]:
+    """Return the plan of a pilot, and the numbers of fresh studies that show what it promises."""
+    name, n, pilot, n_studies = task
+    result = compare(draw_dataset(PLANS[name], n, generator(name, 1, n, pilot)))
+    asked = PlanArguments(measure=DEFAULT, difference=true_difference(name))
+    size, *_ = plan_recordings(at_operating_point(result, "equal-alarms"), asked).sizes
+    sizes = {"size": size.n_recordings, "least": size.least_recordings}
+    row: dict[str, Any] = {"plan": name, "n": n, "pilot": pilot, "studies": n_studies, **sizes}
+    row["most"] = size.most_recordings
+    for number, end in enumerate(("size", "most")):
+        is_shown = []
+        for study in range(n_studies if row[end] else 0):
+            rng = generator(name, 2, n, pilot, number, study)
+            conclusion, _ = judge(draw_dataset(PLANS[name], row[end], rng))
+            is_shown.append(any((of.key, of.winner) == (DEFAULT, "y") for of in conclusion.claims))
+        row[f"shown_{end}"] = sum(is_shown)
+    return [row]
 
 
-def draw_recordings(dataset: Dataset, drawn: np.ndarray) -> Dataset:
-    """Return the dataset of these recordings (rows, with repetition), each its own unit."""
-    frames, boxes = dataset.frame_columns, dataset.boxes
-    place = boxes["frame_index"].to_numpy()
-    order = np.argsort(frames.recording[place], kind="stable")
-    first = np.searchsorted(frames.recording[place][order], np.arange(len(dataset.recordings) + 1))
-    rows = np.concatenate([order[first[row] : first[row + 1]] for row in drawn])
-    start = np.concatenate([[0], np.cumsum(np.diff(frames.first)[drawn])[:-1]])
-    moved = np.repeat(start - frames.first[drawn], np.diff(first)[drawn])
-    names = [f"study {number:05}" for number in range(len(drawn))]
-    return dataset_from_tables(
-        dataset.recordings.iloc[drawn].assign(name=names, unit=names),
-        [frames.frame[frames.rows_of(row)] for row in drawn],
-        boxes.iloc[rows].assign(frame_index=place[rows] + moved),
-        dataset.systems,
-        fingerprint="",
-    ).with_settings(dataset.settings)
-
-
-def make_rows(task: tuple[str, int, int]) -> list[dict[str, Any]]:
-    """Return the outcomes of a range of studies."""
-    name, first, end = task
-    n, better = planned(name)
-    rows = []
-    for study in range(first, end):
-        rng = np.random.default_rng([SEED, sorted(PLANS).index(name), 2, study])
-        conclusion, _ = judge(draw_study(name, n, rng))
-        is_shown = any((of.key, of.winner) == (DEFAULT, better) for of in conclusion.claims)
-        rows.append({"plan": name, "n": n, "study": study, "is_shown": is_shown})
-    return rows
-
-
-def table_text(rows: Iterable[Mapping[str, Any]]) -> str:
+def table_text(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return the table for docs/significance.md."""
-    shown = defaultdict(list)
-    for row in rows:
-        shown[row["plan"], row["n"]].append(row["is_shown"])
-    lines = ["| planted difference | recordings | studies | claim it |", "|---|---|---|---|"]
-    for (name, n), of_plan in shown.items():
-        share = share_of(sum(of_plan), len(of_plan))
-        ends = f"{100 * share.low:.1f} to {100 * share.high:.1f}"
-        lines.append(f"| {PLANS[name]} | {n:,} | {len(of_plan):,} | {share.share:.1%} ({ends}) |")
-    return "\n".join(lines)
+    lines = [f"| {' | '.join(HEAD)} |", "|---" * len(HEAD) + "|"]
+    for name in PLANS:
+        for n in SIZES:
+            pilots = [row for row in rows if (row["plan"], row["n"]) == (name, n)]
+            if pilots:
+                lines.append(f"| {name} | {n} | {' | '.join(_cells(pilots))} |")
+    given, *_, as_planned, at_the_end = _cells(rows)
+    cells = ("all", "–", given, *["–"] * 4, as_planned, at_the_end)
+    return "\n".join([*lines, f"| {' | '.join(cells)} |"])
+
+
+def _cells(pilots: Sequence[Mapping[str, Any]]) -> list[str]:
+    given = [row for row in pilots if row["size"]]
+    cells = [_share(len(given), len(pilots))]
+    if not given:
+        return [*cells, *["–"] * (len(HEAD) - 3)]
+    sizes = np.array([row["size"] for row in given])
+    low, middle, high = np.quantile(sizes, [0.1, 0.5, 0.9], method="inverted_cdf")
+    ranges = [(row["least"], row["most"]) for row in given]
+    others = [
+        least <= size <= most
+        for number, (least, most) in enumerate(ranges)
+        for size in np.delete(sizes, number)
+    ]
+    n_holding = sum(least <= middle <= most for least, most in ranges)
+    n_studies = sum(row["studies"] for row in given)
+    return [
+        *cells,
+        f"{middle:,} ({low:,} to {high:,})",
+        f"{np.median([most for _, most in ranges]):,.0f}",
+        f"{np.mean(others):.0%}" if others else "–",
+        _share(n_holding, len(given)),
+        *(_share(sum(row[f"shown_{end}"] for row in given), n_studies) for end in ("size", "most")),
+    ]
+
+
+def _share(n: int, of: int) -> str:
+    share = share_of(n, of)
+    return f"{n:,} of {of:,}, {share.share:.0%} ({100 * share.low:.0f} to {100 * share.high:.0f})"
 
 
 def main() -> None:
     parser = study_parser(__doc__)
-    parser.add_argument("--studies", type=int, default=1000)
-    parser.add_argument("--plans", nargs="*", choices=PLANS, default=list(PLANS))
+    parser.add_argument("--pilots", type=int, default=30)
+    parser.add_argument("--studies", type=int, default=4, help="fresh studies of a plan's size")
     options = parser.parse_args()
 
-    def find_tasks(done: set[tuple[str, int]]) -> list[tuple[str, int, int]]:
+    def find_tasks(done: set[tuple[str, int, int]]) -> list[tuple[str, int, int, int]]:
         return [
-            (name, first, min(first + CHUNK, options.studies))
-            for name in options.plans
-            for first in range(0, options.studies, CHUNK)
-            if (name, first) not in done
+            (*key, options.studies)
+            for pilot in range(options.pilots)
+            for name in PLANS
+            for n in SIZES
+            if (key := (name, n, pilot)) not in done
         ]
 
-    text = table_text(run_studies(options, ("plan", "study"), make_rows, find_tasks))
+    text = table_text(run_studies(options, ("plan", "n", "pilot"), make_rows, find_tasks))
     print(text)
     if options.write:
         write_block(BEGIN, END, text)
