@@ -1,0 +1,208 @@
+"""Decisions of reviewers on cases, and the comparison without what they found to be wrong."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import replace
+from datetime import UTC, datetime
+from enum import StrEnum
+from io import StringIO
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.common.errors import InputError
+from nvcore.comparison.compare import Result, compare
+from nvcore.comparison.measures.entry import MeasureTable
+from nvcore.dataset import Dataset
+from nvcore.dataset.schema import NO_TRACK
+from nvcore.subjects.review.cases import CaseList
+from nvcore.tables.scorecard import score_rows
+
+COLUMNS: Final = ("case", "reviewer", "decision", "note", "is_done", "at")
+MOST_NOTE: Final = 2000
+"""Maximum length of a note or a reviewer's name, characters."""
+
+
+class Decision(StrEnum):
+    """What a reviewer decides on a case. `OPEN` takes a decision back."""
+
+    OPEN = ""
+    REAL_MISS = "real miss"
+    FALSE_ALARM = "false alarm"
+    WRONG_TRUTH = "wrong truth"
+    IRRELEVANT = "irrelevant"
+    ASK = "ask"
+
+
+LEAVES_OUT: Final = (Decision.WRONG_TRUTH, Decision.IRRELEVANT)
+"""Decisions that take the boxes of a case out of the comparison."""
+DISPUTED: Final = "disputed"
+"""State of a case on which reviewers disagree."""
+
+
+def empty_decisions() -> pd.DataFrame:
+    """Return a table of decisions without rows: `COLUMNS`."""
+    columns = {name: pd.Series(dtype=bool if name == "is_done" else object) for name in COLUMNS}
+    return pd.DataFrame(columns)
+
+
+def make_decision(
+    case: str,
+    decision: str,
+    *,
+    reviewer: str = "",
+    note: str = "",
+    is_done: bool | None = None,
+    at: datetime | None = None,
+) -> pd.DataFrame:
+    """Return one row of a table of decisions.
+
+    Parameters
+    ----------
+    is_done
+        None: done unless the decision is open or a question.
+    at
+        Time of the decision, UTC; None: now.
+
+    Raises
+    ------
+    InputError
+        If there is no such decision, or a text is too long.
+    """
+    try:
+        made = Decision(decision)
+    except ValueError:
+        known = ", ".join(of.value for of in Decision if of)
+        raise InputError(f"no decision {decision!r}: the decisions are {known}") from None
+    if max(len(note), len(reviewer)) > MOST_NOTE:
+        raise InputError(f"a note has {MOST_NOTE:,} characters at most")
+    done = made not in (Decision.OPEN, Decision.ASK) if is_done is None else is_done
+    time = (at or datetime.now(UTC)).isoformat(timespec="seconds")
+    return pd.DataFrame([(case, reviewer, made.value, note, done, time)], columns=list(COLUMNS))
+
+
+def latest(decisions: pd.DataFrame) -> pd.DataFrame:
+    """Return each reviewer's latest decision on each case, without those taken back."""
+    last = decisions.drop_duplicates(["case", "reviewer"], keep="last")
+    return last[last["decision"] != Decision.OPEN].reset_index(drop=True)
+
+
+def decided(cases: CaseList, decisions: pd.DataFrame) -> pd.DataFrame:
+    """Return the cases with what was decided on them.
+
+    Returns
+    -------
+    The table of the cases with decision (empty: none; `DISPUTED` if reviewers disagree), note and
+    reviewer (of the latest decision), and is_done.
+    """
+    last = latest(decisions)
+    groups = last.groupby("case", sort=False)
+    summary = groups.last().drop(columns="at")
+    is_disputed = (groups["decision"].agg(set).map(len) > 1).to_numpy(bool)
+    summary.loc[is_disputed, ["decision", "is_done"]] = DISPUTED, False
+    table = cases.table.join(summary, on="case")
+    texts = {name: table[name].fillna("") for name in ("decision", "note", "reviewer")}
+    return table.assign(**texts, is_done=table["is_done"].eq(True))
+
+
+def leave_out(dataset: Dataset, cases: CaseList, chosen: Iterable[int]) -> Dataset:
+    """Return the dataset without the boxes of some cases.
+
+    Truth boxes become ignore regions: they are neither missed nor matched. False alarms get ignore
+    regions of their size, so that no system pays for detections there.
+
+    Parameters
+    ----------
+    chosen
+        Rows of the cases.
+    """
+    rows = np.unique(np.concatenate([np.empty(0, np.int64), *(cases.boxes[i] for i in chosen)]))
+    is_truth = dataset.boxes["source"].to_numpy()[rows] == 0
+    ignore = dataset.boxes["ignore"].to_numpy(bool, copy=True)
+    ignore[rows[is_truth]] = True
+    boxes = dataset.boxes.assign(ignore=ignore)
+    added = boxes.iloc[rows[~is_truth]].assign(source=0, ignore=True, track=NO_TRACK, score=np.nan)
+    if len(added):
+        boxes = pd.concat([boxes, added.astype(boxes.dtypes)], ignore_index=True)
+        boxes = boxes.sort_values(["source", "frame_index"], kind="stable", ignore_index=True)
+    return replace(dataset, boxes=boxes)
+
+
+def compare_without(result: Result, cases: CaseList, chosen: Iterable[int]) -> Result:
+    """Return the comparison without the boxes of some cases, at the same thresholds."""
+    dataset = leave_out(result.dataset, cases, chosen)
+    return compare(dataset, result.params, x=result.x.name, y=result.y.name)
+
+
+def reviewed_measures(result: Result, cases: CaseList, decisions: pd.DataFrame) -> pd.DataFrame:
+    """Tabulate every measure before and after the review.
+
+    The review leaves out the cases that all their reviewers call wrong truth or irrelevant.
+
+    Returns
+    -------
+    One row per measure of the scorecard: measure, x, y, x_reviewed, y_reviewed.
+    """
+    states = decided(cases, decisions)["decision"]
+    after = compare_without(result, cases, np.flatnonzero(states.isin(LEAVES_OUT)))
+    rows = [score_rows(of, MeasureTable.SCORECARD) for of in (result, after)]
+    new = {row.key: row for row in rows[1]}
+    table = [
+        (row.key, row.label, row.x, row.y, new[row.key].x, new[row.key].y)
+        for row in rows[0]
+        if row.key in new
+    ]
+    names = ["measure", "label", "x", "y", "x_reviewed", "y_reviewed"]
+    return pd.DataFrame(table, columns=names)
+
+
+def read_decisions(path: Path) -> pd.DataFrame:
+    """Read decisions from a CSV or JSON file.
+
+    Raises
+    ------
+    InputError
+        With the line, if the file lacks a column or holds something else.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+        if path.suffix == ".json":
+            table = pd.DataFrame(json.loads(text), dtype=object)
+        else:
+            table = pd.read_csv(StringIO(text), dtype=str, keep_default_na=False)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path.name}: no decisions can be read ({error})") from error
+    missing = [name for name in COLUMNS if name not in table]
+    if missing:
+        raise InputError(f"{path.name}: no column {missing[0]}; {', '.join(COLUMNS)} are needed")
+    rows = []
+    for line, row in enumerate(table[list(COLUMNS)].itertuples(index=False), start=2):
+        try:
+            done = {"true": True, "false": False}[str(row.is_done).lower()]
+            time = datetime.fromisoformat(str(row.at))
+            rows.append(
+                make_decision(
+                    str(row.case),
+                    str(row.decision),
+                    reviewer=str(row.reviewer),
+                    note=str(row.note),
+                    is_done=done,
+                    at=time,
+                )
+            )
+        except (InputError, ValueError, KeyError) as error:
+            raise InputError(f"{path.name}, line {line}: {error}") from error
+    return pd.concat([empty_decisions(), *rows], ignore_index=True) if rows else empty_decisions()
+
+
+def write_decisions(decisions: pd.DataFrame, path: Path) -> None:
+    """Write decisions as CSV, or as JSON if the name ends so."""
+    if path.suffix == ".json":
+        text = json.dumps(decisions.to_dict("records"), indent=1, ensure_ascii=False)
+    else:
+        text = decisions.to_csv(index=False, lineterminator="\n")
+    path.write_text(text, encoding="utf-8")

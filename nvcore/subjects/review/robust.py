@@ -1,0 +1,121 @@
+"""How many open cases would have to be wrong truth to turn the verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from nvcore.comparison.compare import Result
+from nvcore.comparison.measures.table import inference_of, measure_of
+from nvcore.comparison.scoring import SystemResult
+from nvcore.evidence.measures import UnitMeasure, run_together
+from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.evidence.units import WHOLE, find_units
+from nvcore.subjects.review.cases import CaseKind, CaseList
+
+MOST_TRIED: Final = 12
+"""Number of open cases tried at each step of the search for the claim, the weightiest first."""
+
+PER_ENCOUNTER: Final[Mapping[str, Callable[[SystemResult], np.ndarray]]] = {
+    "severity_s_per_encounter": lambda of: of.failures["severity_s"].to_numpy(),
+    "encounters_detected_by_unit": lambda of: of.encounters["is_detected"].to_numpy(float),
+}
+"""Part of each encounter in the measures that are means over encounters."""
+
+
+class Robustness(NamedTuple):
+    """Open cases that would have to be wrong truth to turn a measure.
+
+    Attributes
+    ----------
+    measure
+        Key of the measure.
+    turns_sign
+        Cases (rows) without which the leader no longer leads: the fewest there are. None: no number
+        of open cases does it.
+    turns_claim
+        Cases without which p is above 0.05. A greedy search finds them, so fewer may do it. Empty
+        if p is above 0.05 already; None: no number of open cases does it, or there is no p.
+    """
+
+    measure: str
+    turns_sign: tuple[int, ...] | None
+    turns_claim: tuple[int, ...] | None
+
+
+def find_robustness(
+    result: Result, cases: CaseList, is_open: np.ndarray, measure: str
+) -> Robustness | None:
+    """Search the fewest open misses that would turn the sign of a difference, or its claim.
+
+    Parameters
+    ----------
+    is_open
+        Cases on which nothing is decided; bool, shape (n_cases,).
+    measure
+        Key of a measure.
+
+    Returns
+    -------
+    None if the measure is not a mean over encounters (`PER_ENCOUNTER`), or X and Y are equal.
+    """
+    of_encounter = PER_ENCOUNTER.get(measure)
+    if of_encounter is None:
+        return None
+    x, y = (of_encounter(system) for _, system in result.sides)
+    total = float((x - y)[result.is_near].sum())
+    if not total:
+        return None
+    is_miss = (cases.table["kind"] == CaseKind.MISS).to_numpy()
+    encounter = cases.table["encounter"].to_numpy()
+    candidates = np.flatnonzero(is_open & is_miss)
+    candidates = candidates[result.is_near[encounter[candidates]]]
+    lead = (x - y)[encounter[candidates]] * np.sign(total)
+    order = np.argsort(-lead, kind="stable")
+    order = order[lead[order] > 0]
+    candidates, lead = candidates[order], lead[order]
+    left = abs(total) - np.cumsum(lead)
+    n_sign = int(np.searchsorted(-left, -1e-12 * abs(total)))
+    turns_sign = tuple(candidates[: n_sign + 1].tolist()) if n_sign < len(left) else None
+    p_without = _tester(result, measure, x, y)
+    turns_claim = _search_claim(candidates.tolist(), encounter, p_without)
+    return Robustness(measure, turns_sign, turns_claim)
+
+
+def _search_claim(
+    candidates: list[int], encounter: np.ndarray, p_without: Callable[[Collection[int]], float]
+) -> tuple[int, ...] | None:
+    """Leave out one case after the other, each time the one that raises p most."""
+    chosen: list[int] = []
+    p = p_without(())
+    while p <= SIGNIFICANT and candidates:
+        tried = candidates[:MOST_TRIED]
+        ps = [p_without(encounter[[*chosen, case]].tolist()) for case in tried]
+        best = int(np.argmax(ps))
+        chosen.append(tried[best])
+        candidates = [case for case in candidates if case != tried[best]]
+        p = ps[best]
+    return None if p <= SIGNIFICANT or np.isnan(p) else tuple(chosen)
+
+
+def _tester(
+    result: Result, measure: str, x: np.ndarray, y: np.ndarray
+) -> Callable[[Collection[int]], float]:
+    """Return a function that gives p of the difference without some encounters."""
+    units = find_units(result)
+    unit = units.unit_of_frame[result.encounters.first_row]
+    assert inference_of(measure).per == "n_encounters"
+
+    def p_without(encounters: Collection[int]) -> float:
+        if units.kind not in WHOLE:
+            return float("nan")
+        is_in = result.is_near.copy()
+        is_in[list(encounters)] = False
+        own, count = unit[is_in], units.total(unit[is_in])
+        sums_x, sums_y = (np.column_stack([units.total(own, of[is_in]), count]) for of in (x, y))
+        made = UnitMeasure(measure, "", measure_of(measure).better, sums_x, sums_y)
+        return run_together([made])[measure].p
+
+    return p_without
