@@ -20,25 +20,22 @@ The smallest task is in ``tests/people/test_store.py``.
 from __future__ import annotations
 
 import json
-import os
 import re
 import secrets
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from itertools import count
 from pathlib import Path
 from typing import Any, ClassVar, Final, Generic, NamedTuple, TypeVar
 
-from nvcore.common.errors import InputError, StoreError
+from nvcore.common.errors import InputError
+from nvcore.common.output.sqlite_file import SqliteFile
 from nvcore.common.wording import fold_name
 from nvcore.subjects.people.form import check_answers
 from nvcore.subjects.people.participants import MOST_NAME, draw_code, draw_pseudonym, hash_code
 
-WAIT_S: Final = 10.0
-"""Timeout of a write that waits for another one, s."""
 MOST_STUDIES: Final = 1000
 MOST_PARTICIPANTS: Final = 2000
 """Maximum number of participants of a study, as anybody with its link can join."""
@@ -130,31 +127,17 @@ class Person:
         return tuple(self.form.get(of, "") for of in form)
 
 
-class StudyStore(Generic[S]):
-    """Studies of one task in one SQLite file, which any thread may use.
-
-    Writes are committed with ``synchronous=FULL`` before a call returns, so they outlive a crash
-    of the program or the machine. Deleted values are overwritten. Opening the file deletes the
-    studies whose time is over.
+class StudyStore(SqliteFile, Generic[S]):
+    """Studies of one task in one SQLite file. Opening it deletes the studies whose time is over.
 
     Parameters
     ----------
     path
-        The file. It and its folder are created if necessary, for this user alone. An existing file
-        keeps its permissions.
+        See `SqliteFile`.
     now
         The time, UTC; None: the clock's.
-
-    Raises
-    ------
-    InputError
-        If the folder or the file cannot be created.
-    StoreError
-        Here and in every call: if the file cannot be used.
     """
 
-    content: ClassVar[str]
-    """Noun for the file's content, as in "the file of the ratings"."""
     study_columns: ClassVar[str]
     """SQL of the fields of a study, but for its two names."""
     tables: ClassVar[Mapping[str, Table]]
@@ -176,15 +159,7 @@ class StudyStore(Generic[S]):
             raise TypeError(f"{cls.__name__}: study_columns need ends_at")
 
     def __init__(self, path: Path, *, now: datetime | None = None):
-        self._path = path
-        fault = f"the folder of the {self.content} cannot be made"
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            fault = f"the file of the {self.content} cannot be used"
-            if not path.exists():  # to close a file that is in use would drop SQLite's locks on it
-                os.close(os.open(path, os.O_CREAT | os.O_WRONLY, 0o600))
-        except OSError as error:
-            raise InputError(f"{fault} ({error.strerror})") from error
+        super().__init__(path)
         with self.connect() as base:
             if self._missing(base):
                 base.execute("BEGIN IMMEDIATE")  # nobody else extends the file in between
@@ -214,27 +189,6 @@ class StudyStore(Generic[S]):
             else:
                 statements.append(f"CREATE TABLE {name} ({columns})")
         return statements
-
-    @contextmanager
-    def connect(self) -> Iterator[sqlite3.Connection]:
-        """Open the file. Writes are committed at the end, or rolled back after an error."""
-        try:
-            with closing(sqlite3.connect(self._path, timeout=WAIT_S)) as base:
-                base.row_factory = sqlite3.Row
-                base.execute("PRAGMA foreign_keys = ON")
-                base.execute("PRAGMA synchronous = FULL")
-                base.execute("PRAGMA secure_delete = ON")
-                with base:  # commits, or rolls back
-                    yield base
-        except sqlite3.IntegrityError:
-            raise
-        except sqlite3.DatabaseError as error:
-            raise StoreError(f"the file of the {self.content} cannot be used ({error})") from error
-
-    def execute(self, statement: str, *values: Any) -> list[sqlite3.Row]:
-        """Execute one statement of SQL in a transaction of its own, and return its rows."""
-        with self.connect() as base:
-            return base.execute(statement, values).fetchall()
 
     def study_of(self, row: dict[str, Any]) -> S:
         """Return the study of a row of the file, whose times are already parsed."""

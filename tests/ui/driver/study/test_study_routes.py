@@ -96,7 +96,7 @@ def test_a_report_that_is_sent_again_counts_once(space: Workspace, screen: OnScr
 def test_an_answer_that_cannot_be_kept_now_is_the_servers_fault_and_kept_later(
     space: Workspace, screen: OnScreen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr("nvcore.subjects.people.store.WAIT_S", 0.01)
+    monkeypatch.setattr("nvcore.common.output.sqlite_file.WAIT_S", 0.01)
     address_of = f"{address(space)}/study/1/answer"
     with closing(sqlite3.connect(tmp_path / "studies.sqlite")) as other:
         other.execute("BEGIN EXCLUSIVE")
