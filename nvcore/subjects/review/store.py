@@ -1,0 +1,404 @@
+"""Projects: comparisons that stay, with their inputs, decisions and looks, in one SQLite file.
+
+Inputs that were uploaded are copied into the folder beside the file, by content hash. Inputs opened
+by path stay where they are, and the project knows their size, time and hash. Decisions are only
+appended.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import secrets
+import shutil
+import sqlite3
+import zipfile
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, ClassVar, Final, NamedTuple
+
+import pandas as pd
+
+from nvcore.common.errors import InputError, NvcoreError
+from nvcore.common.output.sqlite_file import SqliteFile
+from nvcore.subjects.review.decisions import COLUMNS
+
+MIGRATIONS: Final = (
+    """CREATE TABLE project (token TEXT PRIMARY KEY, name TEXT NOT NULL, session TEXT NOT NULL,
+        created_at TEXT NOT NULL);
+    CREATE TABLE member (project TEXT NOT NULL REFERENCES project ON DELETE CASCADE,
+        who TEXT NOT NULL, PRIMARY KEY (project, who));
+    CREATE TABLE input (project TEXT NOT NULL REFERENCES project ON DELETE CASCADE,
+        path TEXT NOT NULL, sha256 TEXT NOT NULL, size INTEGER NOT NULL, time_ns INTEGER NOT NULL,
+        is_copy INTEGER NOT NULL, PRIMARY KEY (project, path));
+    CREATE TABLE decision (n INTEGER PRIMARY KEY AUTOINCREMENT,
+        project TEXT NOT NULL REFERENCES project ON DELETE CASCADE, "case" TEXT NOT NULL,
+        reviewer TEXT NOT NULL, decision TEXT NOT NULL, note TEXT NOT NULL,
+        is_done INTEGER NOT NULL, at TEXT NOT NULL);
+    CREATE INDEX decision_of_project ON decision (project, n);
+    CREATE TABLE look (n INTEGER PRIMARY KEY AUTOINCREMENT,
+        project TEXT NOT NULL REFERENCES project ON DELETE CASCADE, key TEXT NOT NULL,
+        setting TEXT NOT NULL, p TEXT NOT NULL, at TEXT NOT NULL, UNIQUE (project, key));""",
+)
+"""SQL that takes the file from one version of its schema to the next one."""
+
+NETWORK: Final = ("nfs", "nfs4", "cifs", "smb3", "smbfs", "fuse.sshfs", "9p", "afs")
+"""File systems on which SQLite's locks cannot be relied on."""
+QUOTA_BYTES: Final = 20 * 1024**3
+"""Largest total size of all copies."""
+MOST_NAME: Final = 200
+
+
+class Project(NamedTuple):
+    """A comparison that stays.
+
+    Attributes
+    ----------
+    token
+        Its name in addresses, which cannot be guessed.
+    session
+        Text of its session file, with absolute paths.
+    created_at
+        Time, UTC.
+    """
+
+    token: str
+    name: str
+    session: str
+    created_at: datetime
+
+
+class KeptInput(NamedTuple):
+    """An input of a project. `path` is that of the original; `is_copy`: the file is in `copies`."""
+
+    path: str
+    sha256: str
+    size: int
+    time_ns: int
+    is_copy: bool
+
+
+class ConflictError(NvcoreError):
+    """Somebody else decided on a case after the reviewer saw it: `theirs` is their decision."""
+
+    def __init__(self, theirs: Mapping[str, Any]):
+        super().__init__(f"{theirs['reviewer'] or 'somebody'} decided on this case meanwhile")
+        self.theirs = theirs
+
+
+class ProjectStore(SqliteFile):
+    """Projects in one SQLite file in WAL mode, and the copies of their inputs beside it.
+
+    Raises
+    ------
+    InputError
+        If the folder is on a network drive, or the file is of a later version.
+    """
+
+    content: ClassVar[str] = "projects"
+
+    def __init__(self, path: Path):
+        refuse_network(path)
+        super().__init__(path)
+        self.copies = path.with_suffix(".files")
+        self.copies.mkdir(mode=0o700, exist_ok=True)
+        with self.connect() as base:
+            base.execute("PRAGMA journal_mode = WAL")
+            (version,) = base.execute("PRAGMA user_version").fetchone()
+        if version > len(MIGRATIONS):
+            raise InputError("the file of the projects was written by a later version of nvcore")
+        for number in range(version, len(MIGRATIONS)):
+            with self.connect() as base:
+                base.execute("BEGIN IMMEDIATE")
+                (done,) = base.execute("PRAGMA user_version").fetchone()
+                if done > number:  # by another process meanwhile
+                    continue
+                for statement in MIGRATIONS[number].split(";"):
+                    base.execute(statement)
+                base.execute(f"PRAGMA user_version = {number + 1}")
+
+    def create(
+        self,
+        name: str,
+        session: str,
+        *,
+        owner: str = "",
+        inputs: Iterable[Path] = (),
+        copied: Iterable[Path] = (),
+    ) -> Project:
+        """Keep a comparison.
+
+        Parameters
+        ----------
+        session
+            Text of the session file.
+        owner
+            First member: a log-in, or a name.
+        inputs
+            Files that stay where they are.
+        copied
+            Files that are copied, such as uploads.
+
+        Raises
+        ------
+        InputError
+            If the name is empty or too long, or the copies exceed the quota.
+        """
+        if not 0 < len(name.strip()) <= MOST_NAME:
+            raise InputError(f"a project's name has 1 to {MOST_NAME} characters")
+        kept = [self._known(path, is_copy=False) for path in inputs]
+        kept += [self._copy(path) for path in copied]
+        project = Project(secrets.token_urlsafe(16), name.strip(), session, datetime.now(UTC))
+        with self.connect() as base:
+            values = (*project[:3], project.created_at.isoformat())
+            base.execute("INSERT INTO project VALUES (?, ?, ?, ?)", values)
+            base.execute("INSERT INTO member VALUES (?, ?)", (project.token, owner))
+            base.executemany(
+                "INSERT OR IGNORE INTO input VALUES (?, ?, ?, ?, ?, ?)",
+                [(project.token, *one) for one in kept],
+            )
+        return project
+
+    def project(self, token: str) -> Project | None:
+        """Return the project of a token, if there is one."""
+        rows = self.execute("SELECT * FROM project WHERE token = ?", token)
+        return _project(rows[0]) if rows else None
+
+    def projects(self, who: str | None = None) -> list[Project]:
+        """Return the projects of a member, or all of them, the newest first."""
+        rows = self.execute(
+            "SELECT * FROM project WHERE ?1 IS NULL OR token IN "
+            "(SELECT project FROM member WHERE who = ?1) ORDER BY created_at DESC",
+            who,
+        )
+        return list(map(_project, rows))
+
+    def is_member(self, token: str, who: str) -> bool:
+        """Return whether somebody may open a project."""
+        rows = self.execute("SELECT 1 FROM member WHERE project = ? AND who = ?", token, who)
+        return bool(rows)
+
+    def add_member(self, token: str, who: str) -> None:
+        """Let somebody open a project."""
+        self.execute("INSERT OR IGNORE INTO member VALUES (?, ?)", token, who)
+
+    def delete(self, token: str) -> None:
+        """Delete a project, and all copies that no other project uses."""
+        self.execute("DELETE FROM project WHERE token = ?", token)
+        used = {row[0] for row in self.execute("SELECT sha256 FROM input WHERE is_copy")}
+        for path in self.copies.iterdir():
+            if path.name not in used:
+                path.unlink(missing_ok=True)
+
+    def inputs(self, token: str) -> list[KeptInput]:
+        """Return the inputs of a project."""
+        rows = self.execute("SELECT * FROM input WHERE project = ? ORDER BY path", token)
+        return [
+            KeptInput(row["path"], row["sha256"], row["size"], row["time_ns"], bool(row["is_copy"]))
+            for row in rows
+        ]
+
+    def changed_inputs(self, token: str) -> list[str]:
+        """Return the paths of inputs that are gone, or whose content is another one now."""
+        changed = []
+        for kept in self.inputs(token):
+            path = self.copies / kept.sha256 if kept.is_copy else Path(kept.path)
+            try:
+                status = path.stat()
+            except OSError:
+                changed.append(kept.path)
+                continue
+            is_same = (status.st_size, status.st_mtime_ns) == (kept.size, kept.time_ns)
+            if not kept.is_copy and not is_same and _hash(path) != kept.sha256:
+                changed.append(kept.path)
+        return changed
+
+    def decide(self, token: str, decisions: pd.DataFrame, *, seen: int | None = None) -> int:
+        """Append decisions, and return the number of the last one.
+
+        Parameters
+        ----------
+        decisions
+            Rows of `nvcore.subjects.review.decisions.make_decision`.
+        seen
+            Number of the last decision that the reviewer has seen; None: all.
+
+        Raises
+        ------
+        ConflictError
+            If somebody else decided on one of the cases after `seen`.
+        """
+        rows = list(decisions[list(COLUMNS)].itertuples(index=False, name=None))
+        with self.connect() as base:
+            base.execute("BEGIN IMMEDIATE")  # nobody decides in between
+            for case, reviewer, *_ in rows if seen is not None else ():
+                theirs = base.execute(
+                    'SELECT * FROM decision WHERE project = ? AND "case" = ? AND n > ? '
+                    "AND reviewer != ? ORDER BY n DESC LIMIT 1",
+                    (token, case, seen, reviewer),
+                ).fetchone()
+                if theirs is not None:
+                    raise ConflictError(dict(theirs))
+            last = 0
+            for row in rows:
+                made = base.execute(
+                    "INSERT INTO decision VALUES (NULL, ?, ?, ?, ?, ?, ?, ?)", (token, *row)
+                )
+                last = int(made.lastrowid or 0)
+        return last
+
+    def decisions(self, token: str, *, since: int = 0) -> pd.DataFrame:
+        """Return all decisions on a project after number `since`, in their order.
+
+        Returns
+        -------
+        n, and `nvcore.subjects.review.decisions.COLUMNS`.
+        """
+        columns = ", ".join(f'"{name}"' for name in ("n", *COLUMNS))
+        rows = self.execute(
+            f"SELECT {columns} FROM decision WHERE project = ? AND n > ? ORDER BY n",  # noqa: S608  # our own names
+            token,
+            since,
+        )
+        table = pd.DataFrame([tuple(row) for row in rows], columns=["n", *COLUMNS])
+        return table.assign(is_done=table["is_done"].astype(bool))
+
+    def look(self, token: str, setting: Mapping[str, Any], p: Mapping[str, float]) -> int:
+        """Record that a verdict was shown, and return how many different ones were.
+
+        Parameters
+        ----------
+        setting
+            Settings, thresholds and recordings on which the verdict rests.
+        p
+            p of each measure in it.
+        """
+        text = json.dumps(setting, sort_keys=True, default=str)
+        key = hashlib.sha256(text.encode()).hexdigest()
+        with self.connect() as base:
+            base.execute(
+                "INSERT OR IGNORE INTO look VALUES (NULL, ?, ?, ?, ?, ?)",
+                (token, key, text, json.dumps(dict(p)), datetime.now(UTC).isoformat()),
+            )
+            query = "SELECT COUNT(*) FROM look WHERE project = ?"
+            (n,) = base.execute(query, (token,)).fetchone()
+        return int(n)
+
+    def used_bytes(self) -> int:
+        """Return the total size of all copies."""
+        return sum(path.stat().st_size for path in self.copies.iterdir())
+
+    def backup(self, path: Path) -> None:
+        """Write a copy of the file while it is in use. The copies of inputs are not in it."""
+        self.execute("VACUUM INTO ?", str(path))
+
+    def export(self, token: str, path: Path) -> None:
+        """Write a project with its decisions and copied inputs as one ZIP file.
+
+        Raises
+        ------
+        InputError
+            If there is no such project.
+        """
+        project = self.project(token)
+        if project is None:
+            raise InputError("there is no such project")
+        inputs = self.inputs(token)
+        about = {
+            "name": project.name,
+            "session": project.session,
+            "inputs": [one._asdict() for one in inputs],
+            "decisions": self.decisions(token)[list(COLUMNS)].to_dict("records"),
+        }
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr("project.json", json.dumps(about, indent=1, ensure_ascii=False))
+            for sha256 in {one.sha256 for one in inputs if one.is_copy}:
+                archive.write(self.copies / sha256, f"files/{sha256}")
+
+    def import_(self, path: Path, *, owner: str = "") -> Project:
+        """Add the project of a file that `export` wrote, under a new token.
+
+        Raises
+        ------
+        InputError
+            If the file is something else, or a copied input is corrupt.
+        """
+        try:
+            with zipfile.ZipFile(path) as archive:
+                about = json.loads(archive.read("project.json"))
+                inputs = [KeptInput(**one) for one in about["inputs"]]
+                decisions = pd.DataFrame(about["decisions"], columns=list(COLUMNS))
+                for sha256 in {one.sha256 for one in inputs if one.is_copy}:
+                    self._take(archive, sha256)
+        except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+            raise InputError(f"{path.name} is no project that nvcore wrote ({error})") from error
+        project = self.create(str(about["name"]), str(about["session"]), owner=owner)
+        with self.connect() as base:
+            base.executemany(
+                "INSERT INTO input VALUES (?, ?, ?, ?, ?, ?)",
+                [(project.token, *one) for one in inputs],
+            )
+        if len(decisions):
+            self.decide(project.token, decisions)
+        return project
+
+    def _take(self, archive: zipfile.ZipFile, sha256: str) -> None:
+        if len(sha256) != 64 or not sha256.isalnum():
+            raise ValueError("a name that is no hash")
+        size = archive.getinfo(f"files/{sha256}").file_size
+        self._check_quota(size)
+        target = self.copies / sha256
+        with archive.open(f"files/{sha256}") as source, target.open("wb") as copy:
+            shutil.copyfileobj(source, copy)
+        if _hash(target) != sha256:
+            target.unlink()
+            raise ValueError("an input is corrupt")
+
+    def _known(self, path: Path, *, is_copy: bool) -> KeptInput:
+        status = path.stat()
+        return KeptInput(str(path), _hash(path), status.st_size, status.st_mtime_ns, is_copy)
+
+    def _copy(self, path: Path) -> KeptInput:
+        kept = self._known(path, is_copy=True)
+        target = self.copies / kept.sha256
+        if not target.exists():
+            self._check_quota(kept.size)
+            partial = target.with_suffix(".part")
+            shutil.copyfile(path, partial)
+            partial.replace(target)
+        return kept
+
+    def _check_quota(self, size: int) -> None:
+        used = self.used_bytes()
+        if used + size > QUOTA_BYTES:
+            raise InputError(
+                f"projects hold {used / 1024**3:.1f} of {QUOTA_BYTES / 1024**3:.0f} GB: delete one"
+            )
+
+
+def refuse_network(path: Path) -> None:
+    """Raise InputError if a path is on a network drive, where SQLite's locks may fail."""
+    try:
+        mounts = Path("/proc/mounts").read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return
+    resolved = path.parent.resolve()
+    kinds = {Path(parts[1]): parts[2] for line in mounts if len(parts := line.split()) > 2}
+    within = [mount for mount in kinds if resolved.is_relative_to(mount)]
+    kind = kinds[max(within, key=lambda mount: len(mount.parts))] if within else ""
+    if kind in NETWORK:
+        raise InputError(
+            f"projects cannot be kept on a network drive ({kind}), where two writers may destroy "
+            "the file: choose a local folder"
+        )
+
+
+def _project(row: sqlite3.Row | Sequence[Any]) -> Project:
+    token, name, session, created_at = row
+    return Project(token, name, session, datetime.fromisoformat(created_at))
+
+
+def _hash(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
