@@ -6,7 +6,16 @@ from nvcore.subjects.detectors import Detectors
 from nvcore.subjects.driver import Driver
 from nvcore.subjects.fleet import Fleet
 from nvcore.subjects.ratings import Ratings
+from nvcore.subjects.review import Review
 from nvcore.subjects.time_left import TimeLeft
 
-SUBJECTS: tuple[Subject, ...] = (TimeLeft(), Detectors(), Driver(), Alerts(), Ratings(), Fleet())
+SUBJECTS: tuple[Subject, ...] = (
+    TimeLeft(),
+    Detectors(),
+    Driver(),
+    Alerts(),
+    Ratings(),
+    Fleet(),
+    Review(),
+)
 """All subjects, in the order in which their additions are listed."""

@@ -146,6 +146,7 @@ def test_the_help_fits_a_terminal_of_100_columns(name: str):
 def test_the_examples_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     shutil.copytree(SAMPLE.parent, tmp_path / "sample_data")
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("NVCORE_PROJECTS", str(tmp_path / "projects.sqlite"))
     failed = {}
     for line in examples():
         result = CliRunner().invoke(main, shlex.split(line)[1:])

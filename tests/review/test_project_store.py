@@ -6,6 +6,7 @@ import os
 import sqlite3
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pandas as pd
@@ -63,15 +64,18 @@ def test_who_decided_meanwhile_is_shown(store: ProjectStore) -> None:
 
 def test_copies_stay_as_long_as_a_project_uses_them(store: ProjectStore, tmp_path: Path) -> None:
     (tmp_path / "x.csv").write_text("frame,x,y,w,h\n")
-    first, second = (store.create(name, "", copied=[tmp_path / "x.csv"]) for name in "ab")
-    (tmp_path / "x.csv").unlink()
-    assert len(list(store.copies.iterdir())) == 1
+    (tmp_path / "up").mkdir()
+    (tmp_path / "x.csv").rename(upload := tmp_path / "up" / "x.csv")
+    first, second = (store.create(name, "", copied=[upload], root=tmp_path) for name in "ab")
+    size = store.used_bytes()
+    assert size == upload.stat().st_size
+    upload.unlink()
     assert store.changed_inputs(first.token) == []
     store.delete(first.token)
-    (copy,) = store.copies.iterdir()
-    assert copy.read_text() == "frame,x,y,w,h\n"
+    assert (store.tree(second.token) / "up" / "x.csv").read_text() == "frame,x,y,w,h\n"
+    assert store.used_bytes() == size
     store.delete(second.token)
-    assert list(store.copies.iterdir()) == []
+    assert [path for path in store.copies.rglob("*") if path.is_file()] == []
     assert store.decisions(first.token).empty
 
 
@@ -92,13 +96,13 @@ def test_the_quota_is_held(
     monkeypatch.setattr(store_module, "QUOTA_BYTES", 5)
     (tmp_path / "x.csv").write_text("123456")
     with pytest.raises(InputError, match="delete one"):
-        store.create("a", "", copied=[tmp_path / "x.csv"])
+        store.create("a", "", copied=[tmp_path / "x.csv"], root=tmp_path)
     assert store.projects() == []
 
 
 def test_a_project_travels_as_one_file(store: ProjectStore, tmp_path: Path) -> None:
     (tmp_path / "x.csv").write_text("1")
-    token = store.create("Night", "[truth]", copied=[tmp_path / "x.csv"]).token
+    token = store.create("Night", "[truth]", copied=[tmp_path / "x.csv"], root=tmp_path).token
     store.decide(token, on("c1", "ann"))
     store.export(token, tmp_path / "night.zip")
     other = ProjectStore(tmp_path / "other" / "projects.sqlite")
@@ -106,10 +110,26 @@ def test_a_project_travels_as_one_file(store: ProjectStore, tmp_path: Path) -> N
     assert (project.name, project.session) == ("Night", "[truth]")
     assert project.token != token
     assert other.decisions(project.token)["case"].tolist() == ["c1"]
-    assert [copy.read_text() for copy in other.copies.iterdir()] == ["1"]
+    assert (other.tree(project.token) / "x.csv").read_text() == "1"
+    assert other.changed_inputs(project.token) == []
     (tmp_path / "no.zip").write_text("no")
     with pytest.raises(InputError, match="no project"):
         other.import_(tmp_path / "no.zip")
+
+
+def test_a_project_that_leaves_its_folder_is_refused(store: ProjectStore, tmp_path: Path) -> None:
+    (tmp_path / "x.csv").write_text("1")
+    token = store.create("a", "", copied=[tmp_path / "x.csv"], root=tmp_path).token
+    store.export(token, tmp_path / "a.zip")
+    with (
+        zipfile.ZipFile(tmp_path / "a.zip") as good,
+        zipfile.ZipFile(tmp_path / "bad.zip", "w") as bad,
+    ):
+        for name in good.namelist():
+            bad.writestr(name, good.read(name).replace(b'"x.csv"', b'"../../../x.csv"'))
+    with pytest.raises(InputError, match="leaves the project"):
+        store.import_(tmp_path / "bad.zip")
+    assert len(store.projects()) == 1
 
 
 def test_different_looks_are_counted_once(store: ProjectStore) -> None:

@@ -1,8 +1,8 @@
 """Projects: comparisons that stay, with their inputs, decisions and looks, in one SQLite file.
 
-Inputs that were uploaded are copied into the folder beside the file, by content hash. Inputs opened
-by path stay where they are, and the project knows their size, time and hash. Decisions are only
-appended.
+Inputs that were uploaded are copied into the folder beside the file: their content by hash, and for
+each project a tree of hard links with their names. Inputs opened by path stay where they are, and
+the project knows their size, time and hash. Decisions are only appended.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from nvcore.subjects.review.decisions import COLUMNS
 
 MIGRATIONS: Final = (
     """CREATE TABLE project (token TEXT PRIMARY KEY, name TEXT NOT NULL, session TEXT NOT NULL,
-        created_at TEXT NOT NULL);
+        root TEXT NOT NULL, created_at TEXT NOT NULL);
     CREATE TABLE member (project TEXT NOT NULL REFERENCES project ON DELETE CASCADE,
         who TEXT NOT NULL, PRIMARY KEY (project, who));
     CREATE TABLE input (project TEXT NOT NULL REFERENCES project ON DELETE CASCADE,
@@ -48,6 +48,8 @@ NETWORK: Final = ("nfs", "nfs4", "cifs", "smb3", "smbfs", "fuse.sshfs", "9p", "a
 QUOTA_BYTES: Final = 20 * 1024**3
 """Largest total size of all copies."""
 MOST_NAME: Final = 200
+BLOBS: Final = "content"
+TREES: Final = "projects"
 
 
 class Project(NamedTuple):
@@ -59,6 +61,8 @@ class Project(NamedTuple):
         Its name in addresses, which cannot be guessed.
     session
         Text of its session file, with absolute paths.
+    root
+        Folder in which copied inputs were. Empty: none were copied.
     created_at
         Time, UTC.
     """
@@ -66,11 +70,20 @@ class Project(NamedTuple):
     token: str
     name: str
     session: str
+    root: str
     created_at: datetime
 
 
 class KeptInput(NamedTuple):
-    """An input of a project. `path` is that of the original; `is_copy`: the file is in `copies`."""
+    """An input of a project.
+
+    Attributes
+    ----------
+    path
+        Path of the original; of a copied one below the project's `root`.
+    is_copy
+        True if the file is in `ProjectStore.tree`.
+    """
 
     path: str
     sha256: str
@@ -102,7 +115,8 @@ class ProjectStore(SqliteFile):
         refuse_network(path)
         super().__init__(path)
         self.copies = path.with_suffix(".files")
-        self.copies.mkdir(mode=0o700, exist_ok=True)
+        for folder in (self.copies, self.copies / BLOBS, self.copies / TREES):
+            folder.mkdir(mode=0o700, exist_ok=True)
         with self.connect() as base:
             base.execute("PRAGMA journal_mode = WAL")
             (version,) = base.execute("PRAGMA user_version").fetchone()
@@ -126,6 +140,7 @@ class ProjectStore(SqliteFile):
         owner: str = "",
         inputs: Iterable[Path] = (),
         copied: Iterable[Path] = (),
+        root: Path | None = None,
     ) -> Project:
         """Keep a comparison.
 
@@ -137,8 +152,8 @@ class ProjectStore(SqliteFile):
             First member: a log-in, or a name.
         inputs
             Files that stay where they are.
-        copied
-            Files that are copied, such as uploads.
+        copied, root
+            Files that are copied, such as uploads, and the folder in which they are.
 
         Raises
         ------
@@ -147,18 +162,40 @@ class ProjectStore(SqliteFile):
         """
         if not 0 < len(name.strip()) <= MOST_NAME:
             raise InputError(f"a project's name has 1 to {MOST_NAME} characters")
-        kept = [self._known(path, is_copy=False) for path in inputs]
-        kept += [self._copy(path) for path in copied]
-        project = Project(secrets.token_urlsafe(16), name.strip(), session, datetime.now(UTC))
+        copied, token = list(copied), secrets.token_urlsafe(16)
+        self._check_quota(sum(path.stat().st_size for path in copied))
+        kept = [_known(path) for path in inputs]
+        for path in copied:
+            assert root is not None
+            known = _known(path)
+            inside = path.relative_to(root).as_posix()
+            self._link(known.sha256, path, self.tree(token) / inside)
+            kept.append(known._replace(path=inside, is_copy=True))
+        return self._add(token, name.strip(), session, str(root or ""), owner, kept)
+
+    def _add(
+        self,
+        token: str,
+        name: str,
+        session: str,
+        root: str,
+        owner: str,
+        inputs: Iterable[KeptInput],
+    ) -> Project:
+        project = Project(token, name, session, root, datetime.now(UTC))
         with self.connect() as base:
-            values = (*project[:3], project.created_at.isoformat())
-            base.execute("INSERT INTO project VALUES (?, ?, ?, ?)", values)
-            base.execute("INSERT INTO member VALUES (?, ?)", (project.token, owner))
+            values = (*project[:4], project.created_at.isoformat())
+            base.execute("INSERT INTO project VALUES (?, ?, ?, ?, ?)", values)
+            base.execute("INSERT INTO member VALUES (?, ?)", (token, owner))
             base.executemany(
                 "INSERT OR IGNORE INTO input VALUES (?, ?, ?, ?, ?, ?)",
-                [(project.token, *one) for one in kept],
+                [(token, *one) for one in inputs],
             )
         return project
+
+    def tree(self, token: str) -> Path:
+        """Return the folder with the copied inputs of a project."""
+        return self.copies / TREES / token
 
     def project(self, token: str) -> Project | None:
         """Return the project of a token, if there is one."""
@@ -185,10 +222,10 @@ class ProjectStore(SqliteFile):
 
     def delete(self, token: str) -> None:
         """Delete a project, and all copies that no other project uses."""
-        self.execute("DELETE FROM project WHERE token = ?", token)
-        used = {row[0] for row in self.execute("SELECT sha256 FROM input WHERE is_copy")}
-        for path in self.copies.iterdir():
-            if path.name not in used:
+        if self.execute("DELETE FROM project WHERE token = ? RETURNING token", token):
+            shutil.rmtree(self.tree(token), ignore_errors=True)
+        for path in (self.copies / BLOBS).iterdir():
+            if path.stat().st_nlink == 1:
                 path.unlink(missing_ok=True)
 
     def inputs(self, token: str) -> list[KeptInput]:
@@ -203,7 +240,7 @@ class ProjectStore(SqliteFile):
         """Return the paths of inputs that are gone, or whose content is another one now."""
         changed = []
         for kept in self.inputs(token):
-            path = self.copies / kept.sha256 if kept.is_copy else Path(kept.path)
+            path = self.tree(token) / kept.path if kept.is_copy else Path(kept.path)
             try:
                 status = path.stat()
             except OSError:
@@ -287,7 +324,7 @@ class ProjectStore(SqliteFile):
 
     def used_bytes(self) -> int:
         """Return the total size of all copies."""
-        return sum(path.stat().st_size for path in self.copies.iterdir())
+        return sum(path.stat().st_size for path in (self.copies / BLOBS).iterdir())
 
     def backup(self, path: Path) -> None:
         """Write a copy of the file while it is in use. The copies of inputs are not in it."""
@@ -308,13 +345,14 @@ class ProjectStore(SqliteFile):
         about = {
             "name": project.name,
             "session": project.session,
+            "root": project.root,
             "inputs": [one._asdict() for one in inputs],
             "decisions": self.decisions(token)[list(COLUMNS)].to_dict("records"),
         }
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr("project.json", json.dumps(about, indent=1, ensure_ascii=False))
-            for sha256 in {one.sha256 for one in inputs if one.is_copy}:
-                archive.write(self.copies / sha256, f"files/{sha256}")
+            for sha256 in sorted({one.sha256 for one in inputs if one.is_copy}):
+                archive.write(self.copies / BLOBS / sha256, f"files/{sha256}")
 
     def import_(self, path: Path, *, owner: str = "") -> Project:
         """Add the project of a file that `export` wrote, under a new token.
@@ -324,50 +362,47 @@ class ProjectStore(SqliteFile):
         InputError
             If the file is something else, or a copied input is corrupt.
         """
+        token = secrets.token_urlsafe(16)
         try:
             with zipfile.ZipFile(path) as archive:
                 about = json.loads(archive.read("project.json"))
                 inputs = [KeptInput(**one) for one in about["inputs"]]
                 decisions = pd.DataFrame(about["decisions"], columns=list(COLUMNS))
-                for sha256 in {one.sha256 for one in inputs if one.is_copy}:
-                    self._take(archive, sha256)
+                copied = [one for one in inputs if one.is_copy]
+                self._check_quota(
+                    sum(archive.getinfo(f"files/{one.sha256}").file_size for one in copied)
+                )
+                for one in copied:
+                    target = (self.tree(token) / one.path).resolve()
+                    if not target.is_relative_to(self.tree(token).resolve()):
+                        raise ValueError(f"{one.path} leaves the project")
+                    self._link(one.sha256, archive, target)
+            name, session, root = (str(about[key]) for key in ("name", "session", "root"))
+            project = self._add(token, name, session, root, owner, inputs)
         except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+            self.delete(token)
+            shutil.rmtree(self.tree(token), ignore_errors=True)
             raise InputError(f"{path.name} is no project that nvcore wrote ({error})") from error
-        project = self.create(str(about["name"]), str(about["session"]), owner=owner)
-        with self.connect() as base:
-            base.executemany(
-                "INSERT INTO input VALUES (?, ?, ?, ?, ?, ?)",
-                [(project.token, *one) for one in inputs],
-            )
         if len(decisions):
-            self.decide(project.token, decisions)
+            self.decide(token, decisions)
         return project
 
-    def _take(self, archive: zipfile.ZipFile, sha256: str) -> None:
-        if len(sha256) != 64 or not sha256.isalnum():
-            raise ValueError("a name that is no hash")
-        size = archive.getinfo(f"files/{sha256}").file_size
-        self._check_quota(size)
-        target = self.copies / sha256
-        with archive.open(f"files/{sha256}") as source, target.open("wb") as copy:
-            shutil.copyfileobj(source, copy)
-        if _hash(target) != sha256:
-            target.unlink()
-            raise ValueError("an input is corrupt")
-
-    def _known(self, path: Path, *, is_copy: bool) -> KeptInput:
-        status = path.stat()
-        return KeptInput(str(path), _hash(path), status.st_size, status.st_mtime_ns, is_copy)
-
-    def _copy(self, path: Path) -> KeptInput:
-        kept = self._known(path, is_copy=True)
-        target = self.copies / kept.sha256
-        if not target.exists():
-            self._check_quota(kept.size)
-            partial = target.with_suffix(".part")
-            shutil.copyfile(path, partial)
-            partial.replace(target)
-        return kept
+    def _link(self, sha256: str, source: Path | zipfile.ZipFile, target: Path) -> None:
+        """Put a file into the tree of a project, and its content beside the others if it is new."""
+        blob = self.copies / BLOBS / sha256
+        if not blob.exists():
+            partial = blob.with_name(secrets.token_hex(16))
+            if isinstance(source, Path):
+                shutil.copyfile(source, partial)
+            else:
+                with source.open(f"files/{sha256}") as packed, partial.open("wb") as copy:
+                    shutil.copyfileobj(packed, copy)
+            if _hash(partial) != sha256:
+                partial.unlink()
+                raise ValueError("an input is corrupt")
+            partial.replace(blob)
+        target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        target.hardlink_to(blob)
 
     def _check_quota(self, size: int) -> None:
         used = self.used_bytes()
@@ -395,8 +430,13 @@ def refuse_network(path: Path) -> None:
 
 
 def _project(row: sqlite3.Row | Sequence[Any]) -> Project:
-    token, name, session, created_at = row
-    return Project(token, name, session, datetime.fromisoformat(created_at))
+    token, name, session, root, created_at = row
+    return Project(token, name, session, root, datetime.fromisoformat(created_at))
+
+
+def _known(path: Path) -> KeptInput:
+    status = path.stat()
+    return KeptInput(str(path), _hash(path), status.st_size, status.st_mtime_ns, is_copy=False)
 
 
 def _hash(path: Path) -> str:

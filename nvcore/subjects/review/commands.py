@@ -1,0 +1,147 @@
+"""``nvcore review``: projects and the decisions on their cases."""
+
+from __future__ import annotations
+
+import getpass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from nvcore.cli.options import command, grouped_option
+from nvcore.cli.steps import say_written
+from nvcore.common.wording import aligned, count_text, number
+
+if TYPE_CHECKING:
+    from nvcore.subjects.review.calls import OpenProject
+
+# As in nvcore/cli/__init__.py, numpy is imported by the command only.
+
+ACTIONS = {
+    "new": "NAME SESSION_FILE: keep a comparison as a project.",
+    "list": "[NAME]: the projects, or the cases of one.",
+    "decide": "NAME CASE DECISION: real-miss, false-alarm, wrong-truth, irrelevant, ask or open.",
+    "measures": "NAME: every measure before and after the review.",
+    "export": "NAME FILE: all of a project as .zip, or its decisions as .csv or .json.",
+    "import": "FILE [NAME]: a project from .zip, or decisions of others into one.",
+    "delete": "NAME: a project with everything that no other one uses.",
+}
+
+
+@command(
+    "Projects: decide on misses and false alarms one by one.",
+    'nvcore review new "Night drive" night.toml',
+    'nvcore review list "Night drive" --open',
+    'nvcore review decide "Night drive" a4bf488f4d wrong-truth --note "a pole"',
+    'nvcore review measures "Night drive"',
+    'nvcore review export "Night drive" night.zip',
+)
+@click.argument("action", type=click.Choice(list(ACTIONS)))
+@click.argument("words", nargs=-1)
+@grouped_option(
+    "Decisions",
+    "--reviewer",
+    metavar="NAME",
+    help="Whose decision it is. Default: the user's log-in.",
+)
+@grouped_option("Decisions", "--note", default="", metavar="TEXT", help="A note on the decision.")
+@grouped_option("Decisions", "--open", "only_open", is_flag=True, help="List only open cases.")
+@grouped_option(
+    "Store",
+    "--projects",
+    "store",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="File of the projects. Default: $NVCORE_PROJECTS, else in the application folder.",
+)
+def review(
+    action: str,
+    words: tuple[str, ...],
+    reviewer: str | None,
+    note: str,
+    only_open: bool,
+    store: Path | None,
+) -> None:
+    """Keep a comparison as a project, list its cases, and decide on them.
+
+    \b
+    new NAME SESSION_FILE      keep a comparison as a project
+    list [NAME]                the projects, or the cases of one
+    decide NAME CASE DECISION  real-miss, false-alarm, wrong-truth, irrelevant, ask, open
+    measures NAME              every measure before and after the review
+    export NAME FILE           a project as .zip, its decisions as .csv or .json
+    import FILE [NAME]         a project from .zip, or decisions of others into one
+    delete NAME                a project, and what no other one uses
+
+    Cases called wrong truth or irrelevant are left out of the measures after the review. Exit code
+    0: fine, 2: bad input.
+    """  # noqa: D301
+    from nvcore.subjects.review.calls import open_project, open_store
+    from nvcore.subjects.review.decisions import COLUMNS, read_decisions, write_decisions
+
+    def need(n: int) -> tuple[str, ...]:
+        if len(words) != n:
+            raise click.UsageError(f"review {action} {ACTIONS[action]}")
+        return words
+
+    who = reviewer if reviewer is not None else getpass.getuser()
+    if action == "list" and not words:
+        rows = [(of.name, f"{of.created_at:%Y-%m-%d}") for of in open_store(store).projects()]
+        click.echo("\n".join(aligned(rows)) if rows else "No projects.")
+    elif action == "list":
+        _list_cases(open_project(need(1)[0], store=store), only_open)
+    elif action == "new":
+        name, session = need(2)
+        open_project(name, session=session, store=store)
+        click.echo(f"kept: {name}")
+    elif action == "decide":
+        name, case, decision = need(3)
+        text = "" if decision == "open" else decision.replace("-", " ")
+        open_project(name, store=store).decide(case, text, reviewer=who, note=note)
+    elif action == "measures":
+        _list_measures(open_project(need(1)[0], store=store))
+    elif action == "export":
+        name, out = need(2)
+        project = open_project(name, store=store)
+        if Path(out).suffix == ".zip":
+            open_store(store).export(project.project.token, Path(out))
+        else:
+            write_decisions(project.decisions[list(COLUMNS)], Path(out))
+        say_written(Path(out))
+    elif action == "import":
+        file = Path(words[0]) if words else Path(need(1)[0])
+        if file.suffix == ".zip":
+            need(1)
+            click.echo(f"kept: {open_store(store).import_(file, owner=who).name}")
+        else:
+            project, decisions = open_project(need(2)[1], store=store), read_decisions(file)
+            open_store(store).decide(project.project.token, decisions)
+            click.echo(count_text(len(decisions), "decision"))
+    else:
+        open_store(store).delete(open_project(need(1)[0], store=store).project.token)
+
+
+def _list_cases(project: OpenProject, only_open: bool) -> None:
+    cases = project.cases
+    shown = cases[~cases["is_done"]] if only_open else cases
+    rows = [("case", "kind", "systems", "recording", "frames", "s", "decision", "note")]
+    for row in shown.to_dict("records"):
+        frames, seconds = f"{row['first_frame']}-{row['last_frame']}", row["severity_s"]
+        begin = (row["case"], row["kind"], row["systems"].upper(), row["recording"])
+        rows.append((*begin, frames, number(seconds, ".2f"), row["decision"], row["note"]))
+    click.echo("\n".join(aligned(rows)))
+    click.echo(f"{int(cases['is_done'].sum())} of {len(cases)} done")
+    robust = project.robustness
+    if robust is not None and robust.turns_sign:
+        n = len(robust.turns_sign)
+        click.echo(f"The leader would change without {count_text(n, 'open miss', 'open misses')}.")
+
+
+def _list_measures(project: OpenProject) -> None:
+    rows = [("", "X", "Y", "X reviewed", "Y reviewed")]
+    for row in project.measures.to_dict("records"):
+        x, y, new_x, new_y = (
+            number(row[name], ".4g") for name in ("x", "y", "x_reviewed", "y_reviewed")
+        )
+        rows.append((row["label"], x, y, new_x, new_y))
+    click.echo("\n".join(aligned(rows)))

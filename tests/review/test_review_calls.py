@@ -1,0 +1,73 @@
+"""Projects from Python and from the command line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from inputs import nvcore
+from places import ROOT
+
+import nvcore as nv
+from nvcore.common.errors import InputError
+
+SAMPLE = ROOT / "sample_data" / "session.toml"
+
+
+@pytest.fixture
+def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    path = tmp_path / "projects.sqlite"
+    monkeypatch.setenv("NVCORE_PROJECTS", str(path))
+    return path
+
+
+def test_a_project_stays_with_its_decisions(store: Path) -> None:
+    project = nv.open_project("Night", session=SAMPLE)
+    case = project.cases.loc[project.cases["systems"] == "y", "case"].iloc[0]
+    project.decide(case, "wrong truth", reviewer="Ann", note="a pole")
+    again = nv.open_project("Night")
+    decided = again.cases.set_index("case").loc[case]
+    assert (decided["decision"], decided["note"], decided["is_done"]) == (
+        "wrong truth",
+        "a pole",
+        True,
+    )
+    measures = again.measures.set_index("measure").loc["severity_s"]
+    assert measures["y_reviewed"] == pytest.approx(measures["y"] - decided["severity_s"])
+    assert again.robustness is not None
+    with pytest.raises(InputError, match="no case"):
+        again.decide("0", "ask")
+    with pytest.raises(InputError, match="already"):
+        nv.open_project("Night", session=SAMPLE)
+
+
+def test_a_changed_input_is_not_compared(store: Path, tmp_path: Path) -> None:
+    assert nvcore("sample", str(tmp_path / "copy")).exit_code == 0
+    nv.open_project("Night", session=tmp_path / "copy" / "session.toml")
+    (tmp_path / "copy" / "nir.csv").write_text("frame,x,y,w,h\n")
+    with pytest.raises(InputError, match=r"changed since it was kept.*nir\.csv"):
+        _ = nv.open_project("Night").cases
+
+
+def test_the_command_line_lists_decides_and_exports(store: Path, tmp_path: Path) -> None:
+    def say(*words: str) -> str:
+        done = nvcore("review", *words)
+        assert done.exit_code == 0, done.output
+        return done.stdout
+
+    assert say("list") == "No projects.\n"
+    say("new", "Night", str(SAMPLE))
+    assert say("list").startswith("Night  20")
+    case = say("list", "Night").splitlines()[1].split()[0]
+    say("decide", "Night", case, "wrong-truth", "--reviewer", "Ann", "--note", "a pole")
+    assert "wrong truth  a pole" in say("list", "Night").replace("  ", "  ")
+    assert case not in say("list", "Night", "--open")
+    assert "X reviewed" in say("measures", "Night")
+    say("export", "Night", str(tmp_path / "night.csv"))
+    say("export", "Night", str(tmp_path / "night.zip"))
+    say("delete", "Night")
+    assert say("list") == "No projects.\n"
+    assert say("import", str(tmp_path / "night.zip")) == "kept: Night\n"
+    assert say("import", str(tmp_path / "night.csv"), "Night") == "1 decision\n"
+    assert nvcore("review", "new", "Night").exit_code == 2
+    assert "no decision 'maybe'" in nvcore("review", "decide", "Night", case, "maybe").output
