@@ -107,6 +107,7 @@ claims: $(DEVELOP)
 	$(BIN)/python -m bench.claims --keep .claims/verdicts.jsonl --write
 	$(BIN)/python -m bench.graded --keep .claims/graded.jsonl --write
 	$(BIN)/python -m bench.plans --keep .claims/plans.jsonl --write
+	$(BIN)/python -m bench.looks --keep .claims/looks.jsonl --write
 
 FRAMES ?= 1e6
 FLEET ?= .fleet

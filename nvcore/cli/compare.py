@@ -94,6 +94,14 @@ MAX_CONVERSION = 160
     help="Plan how many recordings would show a difference, as nvcore plan does. Takes seconds.",
 )
 @grouped_option(
+    OUTPUT,
+    "--looks",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Record this verdict in FILE, and correct for all that were looked at before "
+    "(docs/claims.md).",
+)
+@grouped_option(
     OUTPUT, "--json", "as_json", is_flag=True, help="Print summary.json, not the scorecard."
 )
 @strict_option
@@ -105,6 +113,7 @@ def compare(
     matches: bool,
     full: bool,
     plan: bool,
+    looks: Path | None,
     as_json: bool,
     strict: bool,
     **options: Any,
@@ -118,6 +127,7 @@ def compare(
     from nvcore.auditing import audit, picture_findings
     from nvcore.common.findings import worst_first
     from nvcore.comparison.compare import compare
+    from nvcore.evidence.looks import add_look
     from nvcore.evidence.operating_points import are_unequal, at_operating_point
     from nvcore.inputs.load import load
     from nvcore.report.brief import MOST_LINES, render_brief
@@ -147,8 +157,9 @@ def compare(
         else:
             name = _session_name(options["session_file"], out)
             plan_command = "" if plan else f"{program()} plan {name or 'SESSION_FILE'}"
+            n_looks = 1 if looks is None else add_look(looks, result)
             conclusion = planned_verdict(
-                result, findings, session.protocol, plan_command=plan_command
+                result, findings, session.protocol, plan_command=plan_command, looks=n_looks
             )
             next_steps = _next_steps(name, is_full=full)
             if full:

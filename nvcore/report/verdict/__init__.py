@@ -146,6 +146,7 @@ def verdict(
     evidence: pd.DataFrame | None = None,
     companions: Companions | None = None,
     plan: tuple[Note, ...] = (),
+    looks: int = 1,
 ) -> Verdict:
     """Decide which differences between X and Y may be claimed, and describe the measures.
 
@@ -167,6 +168,8 @@ def verdict(
         are unknown (None).
     plan
         `nvcore.report.plan.verdict_plan` of the result: how many more recordings it would take.
+    looks
+        Number of settings for which `nvcore.evidence.looks.correct_for_looks` corrected p.
 
     Notes
     -----
@@ -202,7 +205,7 @@ def verdict(
     every = in_place(
         (
             Point("Operating points", points.operating_points(result, companions)),
-            Point("Question", points.question(result, decisive)),
+            Point("Question", points.question(result, decisive, looks)),
             Point(HOW_SURE, points.probability(result, companions)),
             Point(
                 "Encounters",

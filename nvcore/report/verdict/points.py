@@ -96,19 +96,20 @@ def operating_points(result: Result, companions: Companions | None) -> tuple[Not
     return Note("verdict.unequal_numbers", alarms=alarms), of_claims
 
 
-def question(result: Result, evidence: pd.DataFrame | None) -> tuple[Note, ...]:
-    """Return the primary measure and whether it was tested, or nothing without any p-value."""
+def question(result: Result, evidence: pd.DataFrame | None, looks: int = 1) -> tuple[Note, ...]:
+    """Return the primary measure and how it was tested, or nothing without any p-value."""
     if evidence is None or not np.isfinite(evidence["p_corrected"]).any():
         return ()
     primary = primary_of(result.dataset)
     named = Note("verdict.measure", key=primary.key)
+    tried = (Note("verdict.looks", n=looks),) if looks > 1 else ()
     if primary.is_changed:
-        return (Note("verdict.primary_changed", primary=named, when=primary.when),)
+        return (Note("verdict.primary_changed", primary=named, when=primary.when), *tried)
     if not has_primary(evidence, primary.key):
-        return (Note("verdict.primary_untested", primary=named),)
+        return (Note("verdict.primary_untested", primary=named), *tried)
     if primary.key == DEFAULT and not primary.fixed_at:
-        return (Note("verdict.primary_default", primary=named),)
-    return (Note("verdict.primary_chosen", primary=named, when=primary.when),)
+        return (Note("verdict.primary_default", primary=named), *tried)
+    return (Note("verdict.primary_chosen", primary=named, when=primary.when), *tried)
 
 
 def encounters(result: Result, evidence: pd.DataFrame | None, support: Support) -> tuple[Note, ...]:

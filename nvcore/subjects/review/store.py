@@ -22,6 +22,7 @@ import pandas as pd
 
 from nvcore.common.errors import InputError, NvcoreError
 from nvcore.common.output.sqlite_file import SqliteFile
+from nvcore.evidence.looks import look_key
 from nvcore.subjects.review.decisions import COLUMNS
 
 MIGRATIONS: Final = (
@@ -312,11 +313,16 @@ class ProjectStore(SqliteFile):
             p of each measure in it.
         """
         text = json.dumps(setting, sort_keys=True, default=str)
-        key = hashlib.sha256(text.encode()).hexdigest()
         with self.connect() as base:
             base.execute(
                 "INSERT OR IGNORE INTO look VALUES (NULL, ?, ?, ?, ?, ?)",
-                (token, key, text, json.dumps(dict(p)), datetime.now(UTC).isoformat()),
+                (
+                    token,
+                    look_key(setting),
+                    text,
+                    json.dumps(dict(p)),
+                    datetime.now(UTC).isoformat(),
+                ),
             )
             query = "SELECT COUNT(*) FROM look WHERE project = ?"
             (n,) = base.execute(query, (token,)).fetchone()
