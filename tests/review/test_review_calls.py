@@ -62,12 +62,16 @@ def test_the_command_line_lists_decides_and_exports(store: Path, tmp_path: Path)
     say("decide", "Night", case, "wrong-truth", "--reviewer", "Ann", "--note", "a pole")
     assert "wrong truth  a pole" in say("list", "Night").replace("  ", "  ")
     assert case not in say("list", "Night", "--open")
+    assert nvcore("review", "check", "Night", "--above", "1.2").exit_code == 1
+    for line in say("list", "Night", "--open", "--above", "1.2").splitlines()[1:-2]:
+        say("decide", "Night", line.split()[0], "real-miss")
+    assert len(say("check", "Night", "--above", "1.2").splitlines()) == 3
     assert "X reviewed" in say("measures", "Night")
     say("export", "Night", str(tmp_path / "night.csv"))
     say("export", "Night", str(tmp_path / "night.zip"))
     say("delete", "Night")
     assert say("list") == "No projects.\n"
     assert say("import", str(tmp_path / "night.zip")) == "kept: Night\n"
-    assert say("import", str(tmp_path / "night.csv"), "Night") == "1 decision\n"
+    assert say("import", str(tmp_path / "night.csv"), "Night") == "2 decisions\n"
     assert nvcore("review", "new", "Night").exit_code == 2
     assert "no decision 'maybe'" in nvcore("review", "decide", "Night", case, "maybe").output

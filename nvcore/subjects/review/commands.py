@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import getpass
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from nvcore.cli.options import command, grouped_option
-from nvcore.cli.steps import say_written
+from nvcore.cli.steps import EXIT_FINDINGS, say_written
 from nvcore.common.wording import aligned, count_text, number
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ ACTIONS = {
     "new": "NAME SESSION_FILE: keep a comparison as a project.",
     "list": "[NAME]: the projects, or the cases of one.",
     "decide": "NAME CASE DECISION: real-miss, false-alarm, wrong-truth, irrelevant, ask or open.",
+    "check": "NAME: exit with 1 if a case above --above is open.",
     "measures": "NAME: every measure before and after the review.",
     "export": "NAME FILE: all of a project as .zip, or its decisions as .csv or .json.",
     "import": "FILE [NAME]: a project from .zip, or decisions of others into one.",
@@ -47,6 +49,14 @@ ACTIONS = {
 @grouped_option("Decisions", "--note", default="", metavar="TEXT", help="A note on the decision.")
 @grouped_option("Decisions", "--open", "only_open", is_flag=True, help="List only open cases.")
 @grouped_option(
+    "Decisions",
+    "--above",
+    type=float,
+    default=0.0,
+    metavar="SECONDS",
+    help="List or check only cases of larger severity, or longer false alarms.",
+)
+@grouped_option(
     "Store",
     "--projects",
     "store",
@@ -60,6 +70,7 @@ def review(
     reviewer: str | None,
     note: str,
     only_open: bool,
+    above: float,
     store: Path | None,
 ) -> None:
     """Keep a comparison as a project, list its cases, and decide on them.
@@ -68,13 +79,14 @@ def review(
     new NAME SESSION_FILE      keep a comparison as a project
     list [NAME]                the projects, or the cases of one
     decide NAME CASE DECISION  real-miss, false-alarm, wrong-truth, irrelevant, ask, open
+    check NAME                 exit with 1 if a case more severe than --above is open
     measures NAME              every measure before and after the review
     export NAME FILE           a project as .zip, its decisions as .csv or .json
     import FILE [NAME]         a project from .zip, or decisions of others into one
     delete NAME                a project, and what no other one uses
 
     Cases called wrong truth or irrelevant are left out of the measures after the review. Exit code
-    0: fine, 2: bad input.
+    0: fine, 1: a check failed, 2: bad input.
     """  # noqa: D301
     from nvcore.subjects.review.calls import open_project, open_store
     from nvcore.subjects.review.decisions import COLUMNS, read_decisions, write_decisions
@@ -89,7 +101,10 @@ def review(
         rows = [(of.name, f"{of.created_at:%Y-%m-%d}") for of in open_store(store).projects()]
         click.echo("\n".join(aligned(rows)) if rows else "No projects.")
     elif action == "list":
-        _list_cases(open_project(need(1)[0], store=store), only_open)
+        _list_cases(open_project(need(1)[0], store=store), only_open=only_open, above=above)
+    elif action == "check":
+        if _list_cases(open_project(need(1)[0], store=store), only_open=True, above=above):
+            sys.exit(EXIT_FINDINGS)
     elif action == "new":
         name, session = need(2)
         open_project(name, session=session, store=store)
@@ -121,9 +136,10 @@ def review(
         open_store(store).delete(open_project(need(1)[0], store=store).project.token)
 
 
-def _list_cases(project: OpenProject, only_open: bool) -> None:
+def _list_cases(project: OpenProject, *, only_open: bool, above: float) -> int:
+    """Print the cases, and return how many these are."""
     cases = project.cases
-    shown = cases[~cases["is_done"]] if only_open else cases
+    shown = cases[~(cases["is_done"] & only_open) & ~(cases["severity_s"] <= above)]
     rows = [("case", "kind", "systems", "recording", "frames", "s", "decision", "note")]
     for row in shown.to_dict("records"):
         frames, seconds = f"{row['first_frame']}-{row['last_frame']}", row["severity_s"]
@@ -135,6 +151,7 @@ def _list_cases(project: OpenProject, only_open: bool) -> None:
     if robust is not None and robust.turns_sign:
         n = len(robust.turns_sign)
         click.echo(f"The leader would change without {count_text(n, 'open miss', 'open misses')}.")
+    return len(shown)
 
 
 def _list_measures(project: OpenProject) -> None:
