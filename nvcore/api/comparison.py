@@ -24,6 +24,7 @@ from nvcore.comparison.measures.entry import MeasureTable
 from nvcore.evidence.claims import Claim
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.graded import Graded
+from nvcore.evidence.looks import add_look
 from nvcore.evidence.measures import Judged
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.operating_points import at_operating_point
@@ -217,6 +218,7 @@ class Comparison:
             path,
             stability=arguments.stability,
             inscription=arguments,
+            looks=add_look(arguments.looks, self.result),
         )
 
     @cached_property

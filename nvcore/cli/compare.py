@@ -157,7 +157,7 @@ def compare(
         else:
             name = _session_name(options["session_file"], out)
             plan_command = "" if plan else f"{program()} plan {name or 'SESSION_FILE'}"
-            n_looks = 1 if looks is None else add_look(looks, result)
+            n_looks = add_look(looks, result)
             conclusion = planned_verdict(
                 result, findings, session.protocol, plan_command=plan_command, looks=n_looks
             )

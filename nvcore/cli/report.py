@@ -36,7 +36,7 @@ from nvcore.common.extras import needs
 @command("Write the comparison as one HTML file.", "nvcore report night.toml --out night.html")
 @input_options
 @protocol_option
-@options_of(HtmlArguments, "stability")
+@options_of(HtmlArguments, "stability", "looks")
 @options_of(Inscription)
 @grouped_option(
     OUTPUT,
@@ -59,6 +59,7 @@ def report(out: Path, strict: bool, **options: Any) -> None:
     """
     from nvcore.auditing import opened_pictures
     from nvcore.common.findings import worst_first
+    from nvcore.evidence.looks import add_look
     from nvcore.report.protect_inputs import files_read, refuse_to_replace
     from nvcore.report.terminal import render_findings
 
@@ -78,6 +79,7 @@ def report(out: Path, strict: bool, **options: Any) -> None:
                 pictures=pictures,
                 stability=options["stability"],
                 inscription=arguments_of(Inscription, options),
+                looks=add_look(options["looks"], result),
                 progress=progress,
             )
     click.echo(render_findings(shown_findings(session, result.dataset, findings)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -36,17 +37,20 @@ def look_key(setting: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def add_look(path: Path, result: Result) -> int:
+def add_look(path: str | os.PathLike[str] | None, result: Result) -> int:
     """Add a look to a file of looks, if it is new, and return how many there are.
 
-    The file has one JSON object per line, with what each verdict rested on.
+    The file has one JSON object per line, with what each verdict rested on. Without a file, this
+    is the only look.
 
     Raises
     ------
     InputError
         If the file holds something else, or cannot be written; with the line.
     """
-    setting, keys = setting_of(result), set()
+    if path is None:
+        return 1
+    path, setting, keys = Path(path), setting_of(result), set()
     try:
         lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
         for line, text in enumerate(lines, start=1):

@@ -53,3 +53,6 @@ def test_the_command_line_keeps_looks(tmp_path: Path) -> None:
     assert "were tried" not in first.stdout
     assert "2 settings were tried" in second.stdout
     assert again.stdout == second.stdout
+    report = tmp_path / "night.html"
+    nvcore("report", SAMPLE, "--looks", path, "--no-stability", "--out", report)
+    assert "2 settings were tried" in report.read_text(encoding="utf-8")

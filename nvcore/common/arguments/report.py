@@ -50,3 +50,10 @@ class HtmlArguments(Inscription):
         flag="--stability/--no-stability",
         default=None,
     )
+    looks: PathLike | None = argument(
+        REPORT,
+        "File in which this verdict is recorded, and by which it is corrected for all that were "
+        "looked at before (docs/claims.md).",
+        metavar="FILE",
+        default=None,
+    )

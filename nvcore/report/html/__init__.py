@@ -20,6 +20,7 @@ from nvcore.common.output.files import write_whole
 from nvcore.common.progress import Progress, no_progress, part_of
 from nvcore.common.wording import UNDEFINED, one_line
 from nvcore.comparison.compare import Result
+from nvcore.evidence.looks import correct_for_looks
 from nvcore.evidence.stability.map import MAPS
 from nvcore.evidence.subgroups.table import subgroup_table
 from nvcore.evidence.table import judge_both
@@ -56,6 +57,7 @@ def write_html_report(
     pictures: RecordingPictures | None = None,
     stability: bool | None = None,
     inscription: Inscription = NO_INSCRIPTION,
+    looks: int = 1,
     progress: Progress = no_progress,
 ) -> None:
     """Write the HTML report, replacing an existing file.
@@ -72,6 +74,8 @@ def write_html_report(
         Whether to compute the stability maps. None: for up to 20,000 frames.
     inscription
         Title, author, question and date on the first page.
+    looks
+        Number of settings whose verdict was shown, with this one (`nvcore.evidence.looks`).
     progress
         Called before each part. If it raises, nothing is written.
 
@@ -91,6 +95,7 @@ def write_html_report(
             protocol=session.protocol,
             stability=stability,
             inscription=inscription.in_short(),
+            looks=looks,
             progress=progress,
         ).encode()
     finally:
@@ -108,11 +113,12 @@ def _render(
     protocol: Protocol,
     stability: bool | None,
     inscription: Inscription,
+    looks: int,
     progress: Progress,
 ) -> str:
     """Compute the report's contents and return its HTML."""
     progress(0.0, "testing the differences")
-    evidence, companions = judge_both(result, protocol)
+    evidence, companions = correct_for_looks(*judge_both(result, protocol), looks)
     subgroups = subgroup_table(result, protocol=protocol)
     progress(0.15, "detection curves")
     detection = on_evidence.detection_section(result, protocol)
@@ -120,7 +126,9 @@ def _render(
     plans = on_evidence.plan_measures(result, evidence, protocol, progress=of_plans)
     progress(0.3, "tables")
     plan = verdict_plan(result, evidence, companions, plans=plans)
-    conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+    conclusion = verdict(
+        result, findings, evidence=evidence, companions=companions, plan=plan, looks=looks
+    )
     sections = [
         on_evidence.verdict_section(result, conclusion),
         on_results.scorecard_section(result),
