@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
@@ -69,6 +70,9 @@ def test_the_command_line_lists_decides_and_exports(store: Path, tmp_path: Path)
     assert "X reviewed" in say("measures", "Night")
     say("export", "Night", str(tmp_path / "night.csv"))
     say("export", "Night", str(tmp_path / "night.zip"))
+    say("export", "Night", str(tmp_path / "open.xml"))
+    frames = ET.parse(tmp_path / "open.xml").getroot().findall("image")
+    assert {box.get("label") for image in frames for box in image} == {"miss", "false alarm"}
     say("delete", "Night")
     assert say("list") == "No projects.\n"
     assert say("import", str(tmp_path / "night.zip")) == "kept: Night\n"

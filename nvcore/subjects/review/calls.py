@@ -24,7 +24,12 @@ from nvcore.comparison.compare import Result
 from nvcore.evidence.measures import primary_of
 from nvcore.inputs.session.toml import read_session, write_session
 from nvcore.subjects.review.cases import CaseList, find_cases
-from nvcore.subjects.review.decisions import decided, make_decision, reviewed_measures
+from nvcore.subjects.review.decisions import (
+    cases_as_cvat,
+    decided,
+    make_decision,
+    reviewed_measures,
+)
 from nvcore.subjects.review.robust import PER_ENCOUNTER, Robustness, find_robustness
 from nvcore.subjects.review.store import Project, ProjectStore
 
@@ -109,6 +114,11 @@ class OpenProject:
         is_open = ~self.cases["is_done"].to_numpy(bool)
         measure = next((of for of in PER_ENCOUNTER if of.startswith(key)), key)
         return find_robustness(self._result, self._cases, np.asarray(is_open), measure)
+
+    def open_as_cvat(self) -> bytes:
+        """Return the frames of all open cases, for annotators (CVAT for images XML 1.1)."""
+        is_open = ~self.cases["is_done"].to_numpy(bool)
+        return cases_as_cvat(self._result, self._cases, is_open)
 
     def decide(self, case: str, decision: str, *, reviewer: str = "", note: str = "") -> None:
         """Decide on a case: real miss, false alarm, wrong truth, irrelevant, ask; "" takes back.

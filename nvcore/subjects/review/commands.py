@@ -11,6 +11,7 @@ import click
 
 from nvcore.cli.options import command, grouped_option
 from nvcore.cli.steps import EXIT_FINDINGS, say_written
+from nvcore.common.output.files import write_whole
 from nvcore.common.wording import aligned, count_text, number
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ ACTIONS = {
     "decide": "NAME CASE DECISION: real-miss, false-alarm, wrong-truth, irrelevant, ask or open.",
     "check": "NAME: exit with 1 if a case above --above is open.",
     "measures": "NAME: every measure before and after the review.",
-    "export": "NAME FILE: all of a project as .zip, or its decisions as .csv or .json.",
+    "export": "NAME FILE: a project as .zip, decisions as .csv or .json, open frames as .xml.",
     "import": "FILE [NAME]: a project from .zip, or decisions of others into one.",
     "delete": "NAME: a project with everything that no other one uses.",
 }
@@ -81,7 +82,8 @@ def review(
     decide NAME CASE DECISION  real-miss, false-alarm, wrong-truth, irrelevant, ask, open
     check NAME                 exit with 1 if a case more severe than --above is open
     measures NAME              every measure before and after the review
-    export NAME FILE           a project as .zip, its decisions as .csv or .json
+    export NAME FILE           a project as .zip, its decisions as .csv or .json, the frames of
+                               its open cases as .xml for CVAT
     import FILE [NAME]         a project from .zip, or decisions of others into one
     delete NAME                a project, and what no other one uses
 
@@ -120,6 +122,8 @@ def review(
         project = open_project(name, store=store)
         if Path(out).suffix == ".zip":
             open_store(store).export(project.project.token, Path(out))
+        elif Path(out).suffix == ".xml":
+            write_whole(Path(out), project.open_as_cvat())
         else:
             write_decisions(project.decisions[list(COLUMNS)], Path(out))
         say_written(Path(out))

@@ -15,11 +15,13 @@ import numpy as np
 import pandas as pd
 
 from nvcore.common.errors import InputError
+from nvcore.common.findings import Cases, Finding, Severity
 from nvcore.comparison.compare import Result, compare
 from nvcore.comparison.measures.entry import MeasureTable
 from nvcore.dataset import Dataset
 from nvcore.dataset.schema import NO_TRACK
-from nvcore.subjects.review.cases import CaseList
+from nvcore.subjects.review.cases import CaseKind, CaseList
+from nvcore.tables.inputs import entries_as_cvat
 from nvcore.tables.scorecard import score_rows
 
 COLUMNS: Final = ("case", "reviewer", "decision", "note", "is_done", "at")
@@ -158,6 +160,22 @@ def reviewed_measures(result: Result, cases: CaseList, decisions: pd.DataFrame) 
     ]
     names = ["measure", "label", "x", "y", "x_reviewed", "y_reviewed"]
     return pd.DataFrame(table, columns=names)
+
+
+def cases_as_cvat(result: Result, cases: CaseList, chosen: np.ndarray) -> bytes:
+    """Return the frames of some cases (bool) with their boxes as CVAT for images XML 1.1.
+
+    The label of a box is the kind of its case. Annotators correct the boxes there, and the result
+    is another version of the truth.
+    """
+    findings = []
+    for kind in CaseKind:
+        own = np.flatnonzero(chosen & (cases.table["kind"] == kind).to_numpy())
+        if len(own):
+            rows = np.unique(np.concatenate([cases.boxes[case] for case in own]))
+            places = Cases("boxes", rows)
+            findings.append(Finding(Severity.NOTE, kind, "", len(own), "", "", cases=places))
+    return entries_as_cvat(result.dataset, findings)
 
 
 def read_decisions(path: Path) -> pd.DataFrame:
