@@ -2,7 +2,7 @@
 #            (make run LOCAL_ROOT=DIR: it may also open what lies below that folder)
 # make check lint, and the tests of the library without its subjects: for every day
 # make check-driver  the tests of one subject and its pages: alerts, detectors, driver, fleet, people,
-#            ratings, time_left
+#            ratings, releases, time_left
 # make test  lint and all tests, with those of the pages, and of the app in a browser
 # make coverage  which lines of the library its tests run: at least 95 %, kernels as plain Python
 # make test-js  the tests of the scripts that need no browser: arithmetic of viewer and sliders
@@ -37,7 +37,7 @@ RIVALS := .venv-bench/tools/.installed
 MOTMETRICS := .venv-bench/motmetrics/.installed
 SCRIPTS := node_modules/.installed
 
-SUBJECTS := alerts detectors driver fleet people ratings time_left
+SUBJECTS := alerts detectors driver fleet people ratings releases time_left
 PYTEST := $(BIN)/python -m pytest -q -n auto --dist loadfile
 
 # Node comes as a wheel, with npm: only lint and the tests of the scripts need it.

@@ -46,6 +46,7 @@ __all__ = [
     "read_session",
     "train",
     "train_driver",
+    "what_changed",
 ]
 
 _HOMES = {
@@ -101,6 +102,7 @@ if TYPE_CHECKING:
         image_features,
         train_driver,
     )
+    from nvcore.subjects.releases.calls import what_changed
 
 
 @cache

@@ -205,7 +205,7 @@ print(comparison, agreement, *correlations, drivers, drivers.with_alpha.to_strin
 FILES = {
     "rules.txt": """\
 frames >= 100
-new_misses == 0
+newly_missed == 0
 lamr_y <= 0.10
 lamr_difference >= -0.01
 longest_episode_s_y <= 1 or undefined

@@ -347,15 +347,15 @@ def test_a_dataset_made_of_tables_is_compared_and_written(tmp_path: Path):
 
 
 def test_a_gate_is_true_if_all_rules_hold(sample: Comparison, folder: Path):
-    assert nv.gate(sample, ["new_misses <= 8"])
-    outcome = nv.gate(sample, ["new_misses == 0", "encounters == 38"])
+    assert nv.gate(sample, ["newly_missed <= 8"])
+    outcome = nv.gate(sample, ["newly_missed == 0", "encounters == 38"])
     assert not outcome
-    assert [of_rule.rule.name for of_rule in outcome.failed] == ["new_misses"]
+    assert [of_rule.rule.name for of_rule in outcome.failed] == ["newly_missed"]
     assert [of_rule.rule.name for of_rule in outcome.passed] == ["encounters", "audit_errors"]
-    assert "FAILED  new_misses == 0  (new_misses is 8)" in str(outcome)
+    assert "FAILED  newly_missed == 0  (newly_missed is 8)" in str(outcome)
     hint = "no rule is about false alarms"
     assert hint in str(outcome)
-    assert hint not in str(nv.gate(sample, ["new_misses == 0", "precision_y >= 0.5"]))
+    assert hint not in str(nv.gate(sample, ["newly_missed == 0", "precision_y >= 0.5"]))
     assert hint not in str(nv.gate(sample, ["encounters == 38"]))
     with pytest.raises(nv.NvcoreError, match="there is no measure 'new_mises'"):
         nv.gate(sample, ["new_mises == 0"])

@@ -113,7 +113,7 @@ def test_the_files_of_a_report_compare_the_same_objects_again(
 
 def test_the_gate_judges_them(result: nv.Comparison):
     assert nv.gate(result, ["encounters_detected_y >= 1", "boxes_matched_x >= 2"])
-    assert not nv.gate(result, ["new_misses == 0"])
+    assert not nv.gate(result, ["newly_missed == 0"])
 
 
 def test_flags_name_the_objects_as_the_session_does(tmp_path: Path):

@@ -11,17 +11,14 @@ from nvcore.auditing import audit as audit_dataset
 from nvcore.auditing import picture_findings
 from nvcore.common.arguments import called_with
 from nvcore.common.arguments.groups import GroupArguments
-from nvcore.common.errors import ParameterError
 from nvcore.common.findings import Finding, worst_first
 from nvcore.comparison import compare as comparison
 from nvcore.dataset import Dataset
 from nvcore.evidence.groups import GroupComparison, compare_groups
 from nvcore.evidence.operating_points import at_operating_point
-from nvcore.report.gate import run_gate
-from nvcore.report.gate.measures import measure_names
+from nvcore.report.gate import parse_rules, run_gate
 from nvcore.report.gate.outcomes import RuleOutcome
 from nvcore.report.gate.results import terminal_lines
-from nvcore.report.gate.rules import read_rules
 
 
 @called_with(load)
@@ -103,13 +100,13 @@ class GateOutcome:
 
 
 def gate(result: Comparison, rules: Iterable[str], *, strict: bool = False) -> GateOutcome:
-    """Check rules such as ``new_misses == 0``, and that the audit finds no errors.
+    """Check rules such as ``newly_missed == 0``, and that the audit finds no errors.
 
     Parameters
     ----------
     rules
         A measure, a comparison operator and a number each, as in ``nvcore gate``. With the release
-        in use as X and the candidate as Y, ``new_misses`` counts the encounters that only the
+        in use as X and the candidate as Y, ``newly_missed`` counts the encounters that only the
         release detects.
     strict
         True to count warnings of the audit as errors.
@@ -121,16 +118,12 @@ def gate(result: Comparison, rules: Iterable[str], *, strict: bool = False) -> G
 
     Examples
     --------
-    >>> outcome = gate(result, ["new_misses == 0", "lamr_y <= 10%"])  # doctest: +SKIP
+    >>> outcome = gate(result, ["newly_missed == 0", "lamr_y <= 10%"])  # doctest: +SKIP
     >>> bool(outcome), outcome.failed[0].message  # doctest: +SKIP
-    (False, 'new_misses is 8')
+    (False, 'newly_missed is 8')
     """
-    texts = [rules] if isinstance(rules, str) else list(rules)
-    numbered = [(f"rule {number}", text) for number, text in enumerate(texts, 1)]
-    parsed, problems = read_rules(numbered, measure_names())
-    if problems:
-        raise ParameterError("\n".join(problems))
-    outcomes, _ = run_gate(parsed, result.result, result.input_findings, strict=strict)
+    findings = result.input_findings
+    outcomes, _ = run_gate(parse_rules(rules), result.result, findings, strict=strict)
     return GateOutcome(tuple(outcomes))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +25,7 @@ from nvcore.common.arguments import FOLDER, OUTPUT
 from nvcore.common.errors import InputError, NvcoreError
 from nvcore.common.output.files import write_whole
 from nvcore.common.wording import one_line
+from nvcore.inputs.session.toml import read_session
 
 if TYPE_CHECKING:
     from nvcore.report.gate.rules import Rule
@@ -80,7 +81,7 @@ def _file_type() -> click.Path:
     cls=_GateCommand,
     short_help="Exit with 1 if a rule does not hold.",
     epilog=examples(
-        "nvcore gate night.toml --rule 'new_misses == 0' --out gate",
+        "nvcore gate night.toml --rule 'newly_missed == 0' --out gate",
         "nvcore gate night.toml --rules rules.txt --strict",
         "nvcore gate night.toml --list",
     ),
@@ -141,11 +142,11 @@ def gate(
 ) -> None:
     """Compare X and Y, and exit with 1 if a rule does not hold.
 
-    Inputs as for compare. A measure ends with _x, _y or _difference (X - Y); new_misses are the
-    encounters that X detects and Y does not: give the release in use as X, the candidate as Y. An
-    undefined measure breaks its rule, unless the rule ends with 'or undefined'. Exit code 0: all
-    rules hold, 1: one does not, or the audit found errors (with --strict: or warnings), 2: bad
-    input or no such measure.
+    Inputs as for compare; without --rule and --rules, the rules are those of the session file. A
+    measure ends with _x, _y or _difference (X - Y); newly_missed are the encounters that X detects
+    and Y does not: give the release in use as X, the candidate as Y. An undefined measure breaks
+    its rule, unless the rule ends with 'or undefined'. Exit code 0: all rules hold, 1: one does
+    not, or the audit found errors (with --strict: or warnings), 2: bad input or no such measure.
     """
     from nvcore.report.gate import run_gate
     from nvcore.report.gate.measures import listed_names, measure_names
@@ -203,12 +204,15 @@ def _takes_standard_output(files: Sequence[Path], lists: bool) -> bool:
     return n_taken > 0
 
 
-def _read(texts: Iterable[str], file: Path | None, session: Path | None) -> list[Rule]:
+def _read(texts: Sequence[str], file: Path | None, session: Path | None) -> list[Rule]:
     """Return the rules from the flags and the file, or raise BadInput with all their problems."""
     from nvcore.report.gate.measures import measure_names
     from nvcore.report.gate.rules import read_rules
 
     lines = [("--rule", text) for text in texts]
+    if session is not None and not texts and file is None:
+        where = f"{one_line(str(session))}: [gate]"
+        lines = [(where, text) for text in read_session(session).rules]
     if file is not None:
         name = "standard input" if file == STANDARD else one_line(str(file))
         numbered = enumerate(_content(file).splitlines(), 1)

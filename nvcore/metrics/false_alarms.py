@@ -13,6 +13,14 @@ from nvcore.metrics.linking import link_boxes
 EPISODE_COLUMNS = ("recording", "first_row", "last_row", "n_boxes", "duration_s")
 
 
+def link_alarms(
+    detections: BoxColumns, is_false_alarm: np.ndarray, frames: FrameColumns
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rows of one system's unmatched detections, and the episode of each, int64."""
+    rows = np.flatnonzero(is_false_alarm)
+    return rows, link_boxes(detections, frames, rows)
+
+
 def find_episodes(
     detections: BoxColumns, is_false_alarm: np.ndarray, frames: FrameColumns
 ) -> pd.DataFrame:
@@ -23,8 +31,7 @@ def find_episodes(
     One row per episode, by first frame: recording, first_row, last_row (of the frames), n_boxes,
     duration_s (time steps from its first to its last frame, seconds).
     """
-    rows = np.flatnonzero(is_false_alarm)
-    episode = link_boxes(detections, frames, rows)
+    rows, episode = link_alarms(detections, is_false_alarm, frames)
     frame_index = detections.frame_index[rows]
     n_episodes = int(episode.max()) + 1 if len(episode) else 0
     first_row = np.empty(n_episodes, np.int64)

@@ -6,6 +6,7 @@ from nvcore.subjects.detectors import Detectors
 from nvcore.subjects.driver import Driver
 from nvcore.subjects.fleet import Fleet
 from nvcore.subjects.ratings import Ratings
+from nvcore.subjects.releases import Releases
 from nvcore.subjects.review import Review
 from nvcore.subjects.time_left import TimeLeft
 
@@ -14,6 +15,7 @@ SUBJECTS: tuple[Subject, ...] = (
     Detectors(),
     Driver(),
     Alerts(),
+    Releases(),
     Ratings(),
     Fleet(),
     Review(),

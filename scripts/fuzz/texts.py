@@ -297,7 +297,7 @@ def frames(content: bytes, folder: Path) -> None:
 
 @_text(
     b"mean_similarity_y >= 0.9\nlog_average_miss_rate_y <= 10% or undefined # why\n",
-    b"new_misses == 0\nsaliency_x <= 1e-3\nsaliency_difference => -5\naudit_errors < 1\n",
+    b"newly_missed == 0\nsaliency_x <= 1e-3\nsaliency_difference => -5\naudit_errors < 1\n",
     share=0.25,
 )
 def rules(content: bytes, _folder: Path) -> None:

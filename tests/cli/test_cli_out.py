@@ -89,7 +89,7 @@ def test_check_and_gate_write_over_no_input_and_into_no_folder_of_inputs(folder:
 
 def test_gate_writes_both_of_its_results_into_a_folder(folder: Path):
     out = folder.parent / "ci"
-    ran = nvcore("gate", *flags(folder), "--rule", "new_misses == 0", "--out", out)
+    ran = nvcore("gate", *flags(folder), "--rule", "newly_missed == 0", "--out", out)
     assert ran.exit_code == 1
     assert {path.name for path in out.iterdir()} == {"gate.xml", "gate.md"}
     suite = ElementTree.parse(out / "gate.xml").getroot().find("testsuite")

@@ -23,7 +23,7 @@ def suite_of(file: Path) -> ElementTree.Element:
 
 
 def test_a_failed_rule_fails_the_command_and_names_the_pedestrians_everywhere(folder: Path):
-    rules = write(folder / "rules.txt", "new_misses == 0  # X alone detects one", "frames == 40")
+    rules = write(folder / "rules.txt", "newly_missed == 0  # X alone detects one", "frames == 40")
     files = (folder / "ci" / "gate.xml", folder / "gate.md")
     ran = nvcore("gate", *flags(folder), "--rules", rules, *HOLDS,
                  "--junit", files[0], "--markdown", files[1])  # fmt: skip
@@ -31,7 +31,7 @@ def test_a_failed_rule_fails_the_command_and_names_the_pedestrians_everywhere(fo
     judged = [line for line in ran.stdout.splitlines() if line[:6] in ("passed", "FAILED")]
     assert [line[:6] for line in judged] == ["passed", "FAILED", "passed", "passed"]
     whom = "rural, track 1, frames 0 to 19"
-    assert f"FAILED  new_misses == 0  (new_misses is 1)\n        {whom}\n" in ran.stdout
+    assert f"FAILED  newly_missed == 0  (newly_missed is 1)\n        {whom}\n" in ran.stdout
     suite = suite_of(files[0])
     assert (suite.attrib["tests"], suite.attrib["failures"]) == ("4", "1")
     assert suite.find("testcase/failure").text.endswith(f"\n{whom}")
@@ -70,7 +70,7 @@ def test_the_list_says_undefined_where_a_figure_is(folder: Path):
     assert ran.exit_code == 0
     values = dict(line.split() for line in ran.stdout.splitlines())
     assert values["longest_episode_s_x"] == "undefined"
-    assert (values["new_misses"], values["venn.both"], values["frames"]) == ("1", "1", "40")
+    assert (values["newly_missed"], values["venn.both"], values["frames"]) == ("1", "1", "40")
     assert "nan" not in values.values()
     assert "Audit: " in ran.stderr
 
@@ -120,14 +120,14 @@ def test_the_hint_at_a_measure_that_does_not_exist_is_a_command_that_works(folde
 
 def test_all_wrong_rules_are_told_at_once_with_file_and_line(tmp_path: Path):
     rules = write(
-        tmp_path / "rules.txt", "# nightly", "new_misses = 0", "encounters > 1", "lmr_y < 1"
+        tmp_path / "rules.txt", "# nightly", "newly_missed = 0", "encounters > 1", "lmr_y < 1"
     )
     ran = nvcore("gate", SAMPLE, "--rules", rules, "--rule", "saliency")
     assert ran.exit_code == 2
     told = ran.stderr.splitlines()
     assert "Error: --rule: 'saliency': expected a measure" in told[0]
-    assert f"{rules}, line 2: 'new_misses = 0'" in told[1]
-    assert told[1].endswith("did you mean 'new_misses == 0'?")
+    assert f"{rules}, line 2: 'newly_missed = 0'" in told[1]
+    assert told[1].endswith("did you mean 'newly_missed == 0'?")
     assert f"{rules}, line 4: 'lmr_y < 1': there is no measure 'lmr_y'; did you mean" in told[2]
     assert told[3:] == [f"nvcore gate {SAMPLE} --list shows all measures"]
 

@@ -46,7 +46,7 @@ ERROR = Finding(Severity.ERROR, "a-code", HOSTILE, 1, "One is wrong.", "Mend it.
     ("text", "name", "comparison", "limit", "allows_undefined"),
     [
         ("lamr_x <= 0.10", "lamr_x", "<=", 0.1, False),
-        ("new_misses==0", "new_misses", "==", 0, False),
+        ("newly_missed==0", "newly_missed", "==", 0, False),
         (" share_low_y<10% ", "share_low_y", "<", 0.1, False),
         ("miss_classes.never_y >= 1e-3", "miss_classes.never_y", ">=", 0.001, False),
         ("saliency_difference > -1.5", "saliency_difference", ">", -1.5, False),
@@ -120,12 +120,12 @@ def test_every_measure_that_can_be_named_is_there_and_those_that_take_time_only_
     assert sorted(values) == sorted(measure_names())
     chosen = ("venn.both", "frames", "fusion.x_or_y.encounters_detected")
     assert [values[name] for name in chosen] == [1, 3, 3]
-    quick = gate_measures(scene(), [], PROTOCOLS["all"], ["new_misses"])
-    assert quick["new_misses"] == 1
+    quick = gate_measures(scene(), [], PROTOCOLS["all"], ["newly_missed"])
+    assert quick["newly_missed"] == 1
     assert not {*SUMMARY_NAMES, "lamr_x"} & {*quick}
     nobody = result_of(make_dataset(n_frames=3))
-    values = gate_measures(nobody, [], PROTOCOLS["all"], ["new_misses", "longest_episode_s_x"])
-    assert np.isnan([values["new_misses"], values["longest_episode_s_x"]]).all()
+    values = gate_measures(nobody, [], PROTOCOLS["all"], ["newly_missed", "longest_episode_s_x"])
+    assert np.isnan([values["newly_missed"], values["longest_episode_s_x"]]).all()
 
 
 def test_no_rule_passes_because_nobody_is_urgent():
@@ -201,7 +201,7 @@ def scene(n_recordings: int = 1):
 
 
 def test_a_failed_rule_has_what_it_counts_and_a_passed_one_has_nothing():
-    rules = [parse_rule(text) for text in ("new_misses == 0", "mended_misses == 1",
+    rules = [parse_rule(text) for text in ("newly_missed == 0", "fixed == 1",
              "audit_warnings == 0", "audit_errors == 0", "venn.neither == 1")]  # fmt: skip
     result = scene()
     wanted = [rule.name for rule in rules]
@@ -336,7 +336,7 @@ def test_claims_of_the_verdict_can_be_limited():
     result = result_of(make_dataset(truth, truth, y, places=[Place(range(4))] * 11))
     values = gate_measures(result, [], PROTOCOLS["all"], ["claims_x"])
     assert values["claims_x"] > 0 == values["claims_y"]
-    assert "claims_x" not in gate_measures(result, [], PROTOCOLS["all"], ["new_misses"])
+    assert "claims_x" not in gate_measures(result, [], PROTOCOLS["all"], ["newly_missed"])
     same = [Finding(Severity.WARNING, "same-boxes", "truth", 1, "Same.", "Look.")]
     assert gate_measures(result, same, PROTOCOLS["all"], ["claims_x"])["claims_x"] == 0
 
@@ -351,7 +351,7 @@ def two_classes() -> Result:
 
 
 def test_a_rule_may_be_about_one_class_of_encounters_and_lists_its_members():
-    texts = ["new_misses == 0", "new_misses.crossing == 0", "encounters.crossing == 2"]
+    texts = ["newly_missed == 0", "newly_missed.crossing == 0", "encounters.crossing == 2"]
     rules, problems = read_rules((("", text) for text in texts), measure_names())
     assert problems == []
     outcomes, _ = run_gate(rules, two_classes(), [], strict=False)
@@ -362,7 +362,7 @@ def test_a_rule_may_be_about_one_class_of_encounters_and_lists_its_members():
 
 
 def test_misses_of_a_class_without_encounters_are_undefined():
-    rules = [parse_rule(text) for text in ("new_misses.child == 0", "encounters.child == 0")]
+    rules = [parse_rule(text) for text in ("newly_missed.child == 0", "encounters.child == 0")]
     misses, count, *_ = run_gate(rules, two_classes(), [], strict=False)[0]
     assert np.isnan(misses.value)
     assert not misses.is_passed
@@ -372,8 +372,8 @@ def test_misses_of_a_class_without_encounters_are_undefined():
 def test_only_counts_of_encounters_have_classes():
     with pytest.raises(ParameterError, match=r"there is no measure 'saliency_x\.child'"):
         judge([parse_rule("saliency_x.child == 0")], {"saliency_x": 0.0})
-    with pytest.raises(ParameterError, match=r"there is no measure 'new_misses\.'"):
-        judge([parse_rule("new_misses. == 0")], {"new_misses": 0.0})
+    with pytest.raises(ParameterError, match=r"there is no measure 'newly_missed\.'"):
+        judge([parse_rule("newly_missed. == 0")], {"newly_missed": 0.0})
 
 
 def test_a_value_of_minus_nothing_is_nothing():
@@ -382,7 +382,7 @@ def test_a_value_of_minus_nothing_is_nothing():
 
 @pytest.mark.parametrize("measure", MEASURES, ids=lambda measure: measure.key)
 def test_a_rule_that_a_system_firing_everywhere_passes_gets_a_hint(measure: Measure):
-    of_misses = [parse_rule("new_misses == 0")]
+    of_misses = [parse_rule("newly_missed == 0")]
     of_measure = [parse_rule(f"{measure.rule or measure.key}_x <= 0")]
     assert what_is_not_asked(of_misses)
     if measure.is_worsened_by_alarms:
@@ -394,7 +394,12 @@ def test_a_rule_that_a_system_firing_everywhere_passes_gets_a_hint(measure: Meas
 
 
 def test_counts_by_who_detects_and_limits_of_how_much_worse_get_the_hint_like_their_measures():
-    for name in ("venn.x_only", "driver_venn.nobody", "new_misses.child", "useful_alerts_worse_y"):
+    for name in (
+        "venn.x_only",
+        "driver_venn.nobody",
+        "newly_missed.child",
+        "useful_alerts_worse_y",
+    ):
         assert what_is_not_asked([parse_rule(f"{name} <= 0")])
     for name in ("claims_x", "lamr_worse_y", "encounters", "audit_errors"):
         assert not what_is_not_asked([parse_rule(f"{name} <= 0")])

@@ -36,6 +36,7 @@ from nvcore.tables.classes import classes_table
 from nvcore.tables.column import CellKind, Column, added_columns
 from nvcore.tables.columns import report_columns
 from nvcore.tables.columns.evidence import MATRIX_COLUMNS
+from nvcore.tables.encounters.changes import CHANGE_COLUMNS, changes_table
 from nvcore.tables.result import codes_table
 from nvcore.tables.summary import SYSTEM_KEYS, summary_keys
 
@@ -43,7 +44,10 @@ PAGE = ROOT / "docs" / "report.md"
 SECTION = re.compile(r"^(#+) (.*?)\n(.*?)(?=^#+ |\Z)", re.DOTALL | re.MULTILINE)
 TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
 MATRIX = "matrix.csv"
-TABLES = {**report_columns(), MATCHES: MATCH_COLUMNS, MATRIX: MATRIX_COLUMNS}
+CHANGES = "changes.csv"
+OF_OTHERS = {MATRIX: MATRIX_COLUMNS, CHANGES: CHANGE_COLUMNS}
+"""Files of other commands."""
+TABLES = {**report_columns(), MATCHES: MATCH_COLUMNS, **OF_OTHERS}
 COLUMNS = {**TABLES, "summary.json": summary_keys(), "Each system": SYSTEM_KEYS}
 VALUES = {
     "The column category": CATEGORY_TEXT,
@@ -89,7 +93,10 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
         "codes.csv": to_csv_bytes(codes_table([CodedInterval("rural", 0.0, 0.5, "glare")])),
         **dict([*files.items()][place:]),
     }
-    return files | {MATRIX: to_csv_bytes(pairwise_table(dataset).replace(np.inf, np.nan))}
+    return files | {
+        MATRIX: to_csv_bytes(pairwise_table(dataset).replace(np.inf, np.nan)),
+        CHANGES: to_csv_bytes(changes_table(compare(dataset))),
+    }
 
 
 def table_of(report: dict[str, bytes], file: str) -> pd.DataFrame:
@@ -162,7 +169,7 @@ def test_the_page_has_the_table_of_the_code(title: str):
 
 def test_every_file_of_a_report_has_its_section_in_order(report):
     page = PAGE.read_text(encoding="utf-8")
-    files = [name for name in report if name != MATRIX]
+    files = [name for name in report if name not in OF_OTHERS]
     assert re.findall(r"^## (\w+\.\w+)$", page, re.MULTILINE) == files
 
 

@@ -221,6 +221,9 @@ class SystemSource(SystemKeysOfSubjects, Source):
         Factor of x and w, and factor of y and h.
     provenance
         File on how the detections were made (`nvcore.dataset.provenance`). None: unknown.
+    version_of
+        Name of the system, or of any word for a product, of which this is a later version. Systems
+        of one name are versions in the session's order.
     """
 
     name: str | None = None
@@ -230,10 +233,12 @@ class SystemSource(SystemKeysOfSubjects, Source):
     offset_px: tuple[float, float] = (0.0, 0.0)
     scale: tuple[float, float] = (1.0, 1.0)
     provenance: str | None = path_field(is_of_run=True)
+    version_of: str | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         check_paths(self)
+        expect(self.version_of != "", "version_of: expected a name, found nothing")
         try:
             (self.name or "").encode()
         except UnicodeEncodeError as error:
@@ -274,6 +279,8 @@ class Session(TablesOfSubjects, Settings):
     codes_file
         CSV file of coded intervals (`nvcore.inputs.codes`). Reading it moves them to `codes`, and
         sets it to None.
+    rules
+        Rules of the gate (`nvcore.report.gate`) that a new version has to pass.
     x, y, params, protocol, only_tags, only, objects, published, accept, codes
         See `nvcore.settings.defaults.Settings`.
     """
@@ -289,9 +296,10 @@ class Session(TablesOfSubjects, Settings):
     hashes: Mapping[str, str] = field(default_factory=dict)
     pipes: tuple[str, ...] = ()
     codes_file: str | None = None
+    rules: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("only_tags", "only", "accept"):
+        for name in ("only_tags", "only", "accept", "rules"):
             object.__setattr__(self, name, as_names(getattr(self, name)))
         check_rate(self.fps)
         check_path("frames", self.frames)
@@ -346,7 +354,11 @@ class Session(TablesOfSubjects, Settings):
         named = zip(self.systems, new_names(own_systems, systems), strict=False)
         return replace(
             super().renamed(systems, recordings, of=of),
-            systems=tuple(replace(source, name=name) for source, name in named),
+            systems=tuple(
+                replace(source, name=name, version_of=systems.get(of, of) if of else None)
+                for source, name in named
+                for of in [source.version_of]
+            ),
             recordings=tuple(entries.values()),
             hashes={systems.get(name, name): text for name, text in self.hashes.items()},
         )

@@ -58,6 +58,7 @@ _TYPES: Final[Mapping[str, Mapping[str, Any]]] = {
         "operating_point": str,
     },
     "primary": {"measure": str, "fixed_at": str, "fingerprint": str, "changed": bool},
+    "gate": {"rules": tuple[str, ...]},
     "codes": {"path": str},
     "written": {"sha256": Mapping[str, str], "pipes": tuple[str, ...]},
 }
@@ -114,6 +115,7 @@ def _session(content: dict[str, Any], folder: Path, needs_system: bool) -> Sessi
         "systems": tuple(_source(SystemSource, table, "[[system]]") for table in of_systems),
         "recordings": tuple(map(_recording, _tables(content, "recording"))),
         **_values(content, "defaults"),
+        **_values(content, "gate"),
     }
     with _errors_in("[defaults]"):
         values |= {"size": parse_size(values["size"])} if "size" in values else {}
@@ -235,6 +237,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
         },
         "compare": {**compare, "objects": session.objects.given()},
         "primary": session.primary.given(),
+        "gate": {"rules": session.rules},
         "parameters": session.params.stated(),
         "protocol": session.protocol.given(),
         "recordings": {"path": None if listed is None else listed.path},

@@ -17,6 +17,7 @@ from nvcore.evidence.operating_points import alarms_as_set, is_undecided
 from nvcore.notes import Note, phrase, say
 from nvcore.report.gate.added import added_rules
 from nvcore.report.gate.measures import (
+    COUNTED_ALARMS,
     COUNTED_ENCOUNTERS,
     COUNTED_FINDINGS,
     MEASURE_OF,
@@ -25,6 +26,7 @@ from nvcore.report.gate.measures import (
 )
 from nvcore.report.gate.outcomes import RuleOutcome
 from nvcore.report.gate.rules import class_in
+from nvcore.tables.encounters.changes import located_changes
 
 MAX_LISTED: Final = 10
 
@@ -53,6 +55,12 @@ def _details(outcome: RuleOutcome, result: Result, findings: Sequence[Finding]) 
     if counted in COUNTED_ENCOUNTERS:
         category = COUNTED_ENCOUNTERS[counted]
         return tuple(encounters_of(result, category, members(result, name)))
+    if name in COUNTED_ALARMS:
+        changes = located_changes(result)
+        cases = changes[changes["kind"] == COUNTED_ALARMS[name].value]
+        names = ("recording", "first_frame", "last_frame")
+        spans = cases[[*names]].head(MAX_LISTED).itertuples(index=False, name=None)
+        return (*known, *_with_others([f"{of}, {_when(*span)}" for of, *span in spans], len(cases)))
     for of in added_rules():
         if name in of.counted:
             is_counted, is_open = of.counted[name](result), of.is_open(result)
@@ -89,10 +97,18 @@ def _listed(
     lines = []
     for row in rows[:MAX_LISTED]:
         first, last = frame[encounters.first_row[row]], frame[encounters.last_row[row]]
-        when = f"frame {first}" if first == last else f"frames {first} to {last}"
         lines.append(
-            f"{recordings[encounters.recording[row]]}, track {encounters.track[row]}, {when}"
+            f"{recordings[encounters.recording[row]]}, track {encounters.track[row]}, "
+            + _when(first, last)
             + (", open" if is_open is not None and is_open[row] else "")
         )
-    n_more = len(rows) - len(lines)
-    return [*lines, f"and {n_more} more"] if n_more else lines
+    return _with_others(lines, len(rows))
+
+
+def _when(first: int, last: int) -> str:
+    return f"frame {first}" if first == last else f"frames {first} to {last}"
+
+
+def _with_others(lines: list[str], n: int) -> list[str]:
+    """Append how many of `n` cases are not listed."""
+    return [*lines, f"and {n - len(lines)} more"] if n > len(lines) else lines

@@ -31,6 +31,7 @@ from nvcore.report.gate.rules import OF_CLASSES, class_in
 from nvcore.report.verdict import verdict
 from nvcore.settings.protocols import Protocol
 from nvcore.tables.column import CellKind, Column
+from nvcore.tables.encounters.changes import Change, count_changes
 from nvcore.tables.summary import SYSTEM_KEYS, summary, summary_keys, system_summary
 
 _OF_CURVE: Final = {
@@ -45,24 +46,27 @@ WORSE: Final = {
 """Measures of how much worse a system may be, by the interval over recordings: measure and system.
 """
 COUNTED_ENCOUNTERS: Final = {
-    "new_misses": Category.X_ONLY,
-    "mended_misses": Category.Y_ONLY,
+    "newly_missed": Category.X_ONLY,
+    "fixed": Category.Y_ONLY,
     "missed_by_both": Category.NEITHER,
     "venn.x_only": Category.X_ONLY,
     "venn.y_only": Category.Y_ONLY,
     "venn.neither": Category.NEITHER,
 }
 """Measures that count encounters, which a failed rule lists."""
+COUNTED_ALARMS: Final = {"newly_false": Change.NEWLY_FALSE, "gone": Change.GONE}
+"""Measures that count false-alert episodes of one version alone, which a failed rule lists."""
 COUNTED_FINDINGS: Final = {"audit_errors": Severity.ERROR, "audit_warnings": Severity.WARNING}
 """Measures that count findings of the audit, which a failed rule lists as well."""
 COUNTED_CLAIMS: Final = {"claims_x": "x", "claims_y": "y"}
 """Measures that count the verdict's claims for a system. They take a moment to compute."""
 _OTHER_NAMES: Final = (
-    "new_misses",
-    "mended_misses",
+    "newly_missed",
+    "fixed",
     "missed_by_both",
     "encounters",
     "mcnemar_p",
+    *COUNTED_ALARMS,
     *COUNTED_FINDINGS,
     *COUNTED_CLAIMS,
 )
@@ -120,8 +124,9 @@ def gate_measures(
 ) -> dict[str, float]:
     """Compute the measures that rules may name, slow ones only if they are needed.
 
-    ``new_misses`` are the encounters that X detects and Y does not, ``mended_misses`` the opposite:
-    X is the current release, Y the candidate. ``mean_similarity_worse_y`` and the like are the ends
+    ``newly_missed`` are the encounters that X detects and Y does not, ``fixed`` the opposite, and
+    ``newly_false`` and ``gone`` the false-alert episodes of Y alone and of X alone: X is the
+    current release, Y the candidate. ``mean_similarity_worse_y`` and the like are the ends
     of 95 % intervals against a system (`nvcore.evidence.planning.worse_at_most`). They are
     undefined if X and Y are set to different operating points, because the verdict claims nothing
     from these either. Measures that no rule can rest on are undefined as well
@@ -154,6 +159,9 @@ def gate_measures(
         values |= _count_claims(result, findings, evidence, companions)
     values |= _may_be_worse(result, protocol, needed, evidence)
     values |= _of_classes(result, needed)
+    if not needed.isdisjoint(COUNTED_ALARMS):
+        counts = count_changes(result)
+        values |= {name: float(counts[kind]) for name, kind in COUNTED_ALARMS.items()}
     undefined = {name for of in added_rules() for name in of.undefined(result)}
     unusable = {measure.key for measure in MEASURES if not is_usable(result, measure)}
     undefined |= {name for name, measure in MEASURE_OF.items() if measure.key in unusable}

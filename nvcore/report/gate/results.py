@@ -36,7 +36,7 @@ _BLIND_TO_ALARMS: Final = {
 }
 """Stems of measures that false alarms do not worsen."""
 _WORSENED_BY_ALARMS: Final = {
-    *map(_stem, COUNTED_CLAIMS),
+    *map(_stem, (*COUNTED_CLAIMS, "newly_false")),
     *(_stem(measure.rule or measure.key) for measure in MEASURES if measure.is_worsened_by_alarms),
 }
 """Stems of measures that false alarms worsen."""

@@ -35,8 +35,8 @@ _RULE: Final = re.compile(
     r"\s*([A-Za-z][A-Za-z0-9_.]*)\s*([<>=!≤≥≠]+)\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(%?)"
     r"\s*(\bor\s+undefined)?\s*"
 )
-OF_CLASSES: Final = ("new_misses", "mended_misses", "missed_by_both", "encounters")
-"""Measures that a rule may request for one class of encounters: ``new_misses.child``."""
+OF_CLASSES: Final = ("newly_missed", "fixed", "missed_by_both", "encounters")
+"""Measures that a rule may request for one class of encounters: ``newly_missed.child``."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def parse_rule(text: str) -> Rule:
     except ValueError as error:
         raise ParameterError(
             f"{one_line(text)!r}: expected a measure, a comparison and a number, such as "
-            "'lamr_y <= 0.10' or 'new_misses == 0'"
+            "'lamr_y <= 0.10' or 'newly_missed == 0'"
         ) from error
     rule_text = " ".join(text.split())
     if match[2] not in COMPARISONS:
@@ -121,7 +121,7 @@ def class_in(name: str) -> str:
 
     Examples
     --------
-    >>> class_in("new_misses.child"), class_in("venn.x_only")
+    >>> class_in("newly_missed.child"), class_in("venn.x_only")
     ('child', '')
     """
     of_all, _, wanted = name.partition(".")
