@@ -69,7 +69,8 @@ RUNS = {
     "default": f"""{SCORE}
         check {{session}} --strict --out audit ; compare {{session}} --json
         matrix {{session}} --out matrix ; plan {{session}} --out plan.json
-        alerts {{session}} --out alerts ; ! gate report/session.toml --rule "no_such_measure == 0"
+        alerts {{session}} --out alerts ; changed {{session}} --old FIR --new NIR --out changed
+        ! gate report/session.toml --rule "no_such_measure == 0"
     """,
     "corrections": "check {session} {flags} ; compare {session} {flags} --out report",
     "options": """

@@ -103,6 +103,24 @@ def test_a_wrong_rule_is_refused_by_its_place(session: Session):
         nv.what_changed(session, rules="lmr_y < 1")
 
 
+def test_the_command_prints_the_changes_and_writes_the_files(session: Session, tmp_path: Path):
+    file, out = tmp_path / "night.toml", tmp_path / "out"
+    file.write_text(write_session(session, version="", fingerprint=""), encoding="utf-8")
+    ran = nvcore("changed", file, "--out", out)
+    assert ran.exit_code == 0, ran.output
+    assert ran.stdout.startswith(
+        "NIR (old) and NIR 2 (new): 0 newly missed, 0 newly false, 1 fixed"
+    )
+    assert "fixed  rural" in ran.stdout
+    assert re.search(r"encounters_detected_y >= 2 +1 ! +2\n", ran.stdout)
+    cases = pd.read_csv(out / "changes.csv")
+    assert sorted(cases["kind"]) == ["fixed", "gone", "unchanged"]
+    assert (out / "significance.csv").exists()
+    refused = nvcore("changed", file, "--old", "NIR", "--new", "NIR 3")
+    assert refused.exit_code == 2
+    assert "there is no system 'NIR 3'" in refused.stderr
+
+
 def test_the_gate_takes_the_rules_of_the_session(session: Session, tmp_path: Path):
     file = write(tmp_path / "night.toml", "")
     file.write_text(write_session(session, version="", fingerprint=""), encoding="utf-8")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 from nvcore.common import subject
@@ -12,3 +13,8 @@ class Releases(subject.Subject):
 
     name = "releases"
     names: ClassVar = {"nvcore.subjects.releases.calls": ("what_changed",)}
+
+    def commands(self) -> Sequence[subject.Command]:
+        from nvcore.subjects.releases.commands import changed
+
+        return (changed,)
