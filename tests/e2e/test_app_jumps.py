@@ -121,6 +121,7 @@ def closer(part: str, then: Click) -> Click:
 VENN: Final = "ui/views/overview/venn.py"
 SALIENCY: Final = "ui/views/saliency/events.py:open_asked"
 ONE_ENCOUNTER: Final = "ui/views/encounters/details.py:_draw_ways"
+CHANGED: Final = "ui/subjects/releases/cases.py:_draw_case"
 LAST_CHANCE: Final = "ui/subjects/time_left/approaches.py:_follow"
 IN_THE_SAMPLE: Final = (
     Jump(f"{VENN}:_open", "Overview", "Encounters", press("open_x_only")),
@@ -163,6 +164,8 @@ IN_THE_SAMPLE: Final = (
         "Timeline",
         press("encounters_show_chance"),
     ),
+    Jump(CHANGED, "What changed", "Timeline", press("releases_show")),
+    Jump(CHANGED, "What changed", "Encounters", press("releases_encounter")),
     Jump(
         "pages/time_left.py:draw",
         "Time left",

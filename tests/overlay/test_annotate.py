@@ -53,6 +53,7 @@ def test_layers_choose_what_is_drawn():
     assert has(Y_RGB, "truth")  # the mark of Y's miss
     assert not has(Y_RGB, "x", "y")
     assert not has(X_RGB, "truth", "y")
+    assert not has(Y_RGB, "truth", "x")  # nor Y's misses where X is shown alone
 
 
 def test_the_caption_is_below_and_can_be_left_out():

@@ -7,6 +7,7 @@ from ui.subjects.alerts import AlertsPages
 from ui.subjects.detectors import DetectorsPages
 from ui.subjects.driver import DriverPages
 from ui.subjects.ratings import RatingsPages
+from ui.subjects.releases import ReleasesPages
 from ui.subjects.time_left import TimeLeftPages
 
 SUBJECTS: Final[tuple[SubjectPages, ...]] = (
@@ -14,6 +15,7 @@ SUBJECTS: Final[tuple[SubjectPages, ...]] = (
     DetectorsPages(),
     DriverPages(),
     AlertsPages(),
+    ReleasesPages(),
     RatingsPages(),
 )
 """In the order in which their additions are listed."""

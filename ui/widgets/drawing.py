@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal, NamedTuple
 
@@ -34,7 +34,7 @@ HEIGHTS: Final = 2.2
 LEAST: Final = 0.4
 """Minimum height of a cut-out, as a share of the picture's."""
 ASPECT: Final = 1.6
-"""Width of a cut-out over its height."""
+"""Width of a cut-out over its height by default."""
 LEAST_STRETCH: Final = 0.1
 """Minimum distance of the two percentiles of the display stretch."""
 
@@ -208,7 +208,14 @@ def thumbnail(what: Hashable, draw: Callable[[], bytes]) -> bytes:
 
 
 def part_of_frame(
-    result: Result, row: int, xywh: np.ndarray | None, *, labels: bool, is_visible: bool = False
+    result: Result,
+    row: int,
+    xywh: np.ndarray | None,
+    *,
+    labels: bool,
+    layers: Sequence[str] = LAYERS,
+    aspect: float = ASPECT,
+    is_visible: bool = False,
 ) -> np.ndarray:
     """Return the part of a frame around a box (px), with the boxes of truth, X and Y.
 
@@ -216,6 +223,10 @@ def part_of_frame(
 
     Parameters
     ----------
+    layers
+        See `nvcore.figures.overlay.annotate`.
+    aspect
+        Width over height.
     is_visible
         Use visible light, which requires `has_visible`.
     """
@@ -227,7 +238,7 @@ def part_of_frame(
         pictures, picture = _visible_in_place(result, recording, in_recording)
         lo, hi = 0.0, 100.0
     annotated = annotate(
-        result, pictures, picture, row, lo=lo, hi=hi, layers=LAYERS, labels=labels, caption=False
+        result, pictures, picture, row, lo=lo, hi=hi, layers=layers, labels=labels, caption=False
     )
     if xywh is None:
         return annotated
@@ -236,15 +247,15 @@ def part_of_frame(
         annotated.shape[1] / frames.width[recording],
         annotated.shape[0] / frames.height[recording],
     )
-    return np.ascontiguousarray(cut_out(annotated, xywh * np.tile(scale, 2)))
+    return np.ascontiguousarray(cut_out(annotated, xywh * np.tile(scale, 2), aspect))
 
 
-def cut_out(picture: np.ndarray, xywh: np.ndarray) -> np.ndarray:
+def cut_out(picture: np.ndarray, xywh: np.ndarray, aspect: float = ASPECT) -> np.ndarray:
     """Return the part of a picture around a box, wide enough to show where it is."""
     x, y, w, h = xywh
     n_rows, n_columns = picture.shape[:2]
     high = int(min(n_rows, max(HEIGHTS * h, LEAST * n_rows)))
-    wide = int(min(n_columns, ASPECT * high))
+    wide = int(min(n_columns, aspect * high))
     top = int(np.clip(y + h / 2 - high / 2, 0, n_rows - high))
     left = int(np.clip(x + w / 2 - wide / 2, 0, n_columns - wide))
     return picture[top : top + high, left : left + wide]

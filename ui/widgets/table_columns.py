@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import chain
 from typing import Final
 
@@ -60,9 +61,16 @@ def heading(name: str) -> str:
     return f"{letter.upper()} {words}" if letter else words[0].upper() + words[1:]
 
 
-def columns_of(file: str, *names: str) -> dict[str, TableColumn]:
-    """Return the columns of a report's file for `draw_table`. Without names: all columns."""
-    columns = {column.name: column for column in report_columns()[file]}
+def columns_of(file: str | Sequence[Column], *names: str) -> dict[str, TableColumn]:
+    """Return the columns of a report's file for `draw_table`. Without names: all columns.
+
+    Parameters
+    ----------
+    file
+        Name of the file, or columns of another one.
+    """
+    known = report_columns()[file] if isinstance(file, str) else file
+    columns = {column.name: column for column in known}
     return {name: _column(columns[name]) for name in names or columns}
 
 

@@ -6,7 +6,7 @@ import json
 import struct
 import zlib
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -63,7 +63,8 @@ def annotate(
     lo, hi
         See `nvcore.pictures.stretch`.
     layers
-        Sources to draw: some of "truth", "x", "y".
+        Sources to draw: some of "truth", "x", "y". With one system alone, the other one's misses
+        are not marked either.
     labels
         Whether to write track ids and scores beside the boxes.
     caption
@@ -121,14 +122,21 @@ def drawn_boxes(
 ) -> DrawnFrame:
     """Return the boxes of the given layers in a frame."""
     boxes = gather_boxes(result, row, row + 1)
+    hidden = [letter for letter in "xy" if letter not in layers]
     return DrawnFrame(
-        truth=_drawn_truth(boxes.truth, labels=labels) if "truth" in layers else None,
+        truth=_drawn_truth(boxes.truth, hidden, labels=labels) if "truth" in layers else None,
         x=_drawn_detections(boxes.x, labels=labels) if "x" in layers else None,
         y=_drawn_detections(boxes.y, labels=labels) if "y" in layers else None,
     )
 
 
-def _drawn_truth(boxes: TruthBoxes, *, labels: bool) -> DrawnTruth:
+def _drawn_truth(boxes: TruthBoxes, hidden: Sequence[str], *, labels: bool) -> DrawnTruth:
+    """Return the truth to draw, without the misses of a system that is hidden beside the other."""
+    if len(hidden) == 1:
+        state = f"state_{hidden[0]}"
+        of_all = getattr(boxes, state)
+        shown = np.where(of_all == TruthState.MISSED, TruthState.MATCHED, of_all)
+        boxes = replace(boxes, **{state: shown})
     # a loop over the boxes of one frame, which are drawn one by one
     marks = [
         TruthMark(TruthState(state_x), TruthState(state_y), *flags)
