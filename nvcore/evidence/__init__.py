@@ -1,6 +1,5 @@
 """Statistical evidence on differences: units, intervals, paired tests, groups."""
 
-from nvcore.evidence.block_length import block_length
 from nvcore.evidence.bootstrap import BootstrapDifference, bootstrap_difference
 from nvcore.evidence.measures import Evidence, significance_table
 from nvcore.evidence.miss_rate import judge_miss_rate
@@ -9,7 +8,7 @@ from nvcore.evidence.pairwise import pairwise_table
 from nvcore.evidence.subgroups import Subgroup, find_subgroups
 from nvcore.evidence.subgroups.table import subgroup_table
 from nvcore.evidence.table import evidence_table
-from nvcore.evidence.units import Units, find_units
+from nvcore.evidence.units import Units, block_length, find_units
 
 __all__ = [
     "BootstrapDifference",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from nvcore.evidence.block_length import autocovariance, block_length
+from nvcore.evidence.units import autocovariance, block_length
 
 
 def walk(seed: int, n: int, memory: float) -> np.ndarray:

@@ -12,7 +12,6 @@ from nvcore.comparison.compare import compare
 from nvcore.comparison.measures.table import measure_of
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
-from nvcore.evidence.block_length import block_length
 from nvcore.evidence.bootstrap import bootstrap_difference, ratio, studentised_tests
 from nvcore.evidence.measures import (
     COLUMNS,
@@ -24,7 +23,7 @@ from nvcore.evidence.measures import (
     significance_table,
 )
 from nvcore.evidence.paired_tests import swap_test
-from nvcore.evidence.units import STRETCH, find_units
+from nvcore.evidence.units import STRETCH, block_length, find_units
 from nvcore.settings.params import Params
 from nvcore.settings.primary import DEFAULT, Primary
 
