@@ -8,6 +8,7 @@ Y has six false alarms where nobody is. Boxes of detections lie within two pixel
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
@@ -36,6 +37,16 @@ _FIRST_DETECTED: Final[Mapping[str, Mapping[int, int]]] = {"x": {2: 40, 3: 20}, 
 
 def truth() -> pd.DataFrame:
     """Rows frame, name, track, x, y, w, h (0-based px), in the order of frames."""
+    return _truth().copy()
+
+
+def detections(system: str) -> pd.DataFrame:
+    """Rows frame, name, x, y, w, h, score of the system ``x`` or ``y``."""
+    return _detections(system).copy()
+
+
+@cache
+def _truth() -> pd.DataFrame:
     rows = [
         (
             frame,
@@ -50,8 +61,8 @@ def truth() -> pd.DataFrame:
     return table.sort_values(["frame", "track"], ignore_index=True)
 
 
-def detections(system: str) -> pd.DataFrame:
-    """Rows frame, name, x, y, w, h, score of the system ``x`` or ``y``."""
+@cache
+def _detections(system: str) -> pd.DataFrame:
     table = truth()
     first = table["track"].map(_FIRST_DETECTED[system]).fillna(0)
     table = table[table["frame"] >= first].drop(columns="track")
@@ -90,19 +101,26 @@ def write_yolo(
 
     Those of the classes in `ids`, by which they are numbered.
     """
-    table = truth() if side == "truth" else detections(side)
-    table = table[table["name"].isin([*ids])].reindex(columns=["frame", "name", *"xywh", "score"])
     folder.mkdir(parents=True, exist_ok=True)
+    for frame, text in enumerate(_yolo_texts(side, tuple(ids.items()))):
+        (folder / name_of(frame)).write_text(text)
+    return folder
+
+
+@cache
+def _yolo_texts(side: str, ids: tuple[tuple[str, int], ...]) -> list[str]:
+    number_of = dict(ids)
+    table = truth() if side == "truth" else detections(side)
+    table = table[table["name"].isin([*number_of])]
+    table = table.reindex(columns=["frame", "name", *"xywh", "score"])
     width, height = SIZE
-    lines: dict[int, list[str]] = {frame: [] for frame in range(N_FRAMES)}
+    lines: list[list[str]] = [[] for _ in range(N_FRAMES)]
     for frame, name, x, y, w, h, score in table.itertuples(index=False):
         lines[frame].append(
-            f"{ids[name]} {(x + w / 2) / width:.6f} {(y + h / 2) / height:.6f} {w / width:.6f} "
+            f"{number_of[name]} {(x + w / 2) / width:.6f} {(y + h / 2) / height:.6f} {w / width:.6f} "
             f"{h / height:.6f}" + ("" if side == "truth" else f" {score:.3f}")
         )
-    for frame, texts in lines.items():
-        (folder / name_of(frame)).write_text("\n".join(texts))
-    return folder
+    return ["\n".join(texts) for texts in lines]
 
 
 _COCO_IDS: Final = MappingProxyType({PERSON: 1, "car": 2, "bicycle": 3})

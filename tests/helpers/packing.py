@@ -22,7 +22,7 @@ def zstd(content: bytes) -> bytes:
 PACK: Final[dict[str, Callable[[bytes], bytes]]] = {
     ".gz": gzip.compress,
     ".bz2": bz2.compress,
-    ".xz": lzma.compress,
+    ".xz": lambda content: lzma.compress(content, preset=0),  # others ask for much memory
     ".zst": zstd,
 }
 """What packs a content, by the ending of such files."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +36,7 @@ def coded(folder: Path, *lines: str, **facts: object) -> Session:
     return session_of(drive(folder), codes_file="codes.csv", **facts)
 
 
+@cache
 def four() -> Result:
     """Four pedestrians of a second each, one after another: X detects the first three, Y the outer.
 

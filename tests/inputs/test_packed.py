@@ -164,7 +164,7 @@ def test_a_content_beyond_the_limit_is_refused(tmp_path: Path, monkeypatch: pyte
 
 
 def test_an_xz_file_that_asks_for_much_memory_is_refused(tmp_path: Path):
-    filters = [{"id": lzma.FILTER_LZMA2, "dict_size": 1 << 29}]
+    filters = [{"id": lzma.FILTER_LZMA2, "dict_size": 1 << 29, "mf": lzma.MF_HC3, "nice_len": 3}]
     file = source(tmp_path, lzma.compress(b"frame,x,y,w,h\n", filters=filters), "a.csv.xz")
     with pytest.raises(FormatError, match=r"[Mm]emory"), file.open() as stream:
         stream.read()
