@@ -62,9 +62,9 @@ from nvcore.subjects.fleet.location import Location
 from nvcore.subjects.fleet.folder import finish
 from nvcore.subjects.fleet.scan import in_pool
 if __name__ == "__main__":
-    store, out, marks = map(Path, sys.argv[1:])
+    store, out, marks = map(Path, sys.argv[1:4])
     plan, job = begin_scan(store, out, run=stopped_at("r4", marks))
-    list(in_pool(job, 2))
+    list(in_pool(job, int(sys.argv[4])))
     finish(Location(out), plan)
 """
 
@@ -115,8 +115,8 @@ def test_a_worker_that_is_killed_costs_its_batch_alone(store, undisturbed, out, 
 
 
 def test_workers_that_are_killed_together_do_not_end_the_scan(store, undisturbed, out, tmp_path):
-    plan, job = begin_scan(store, out, run=killed_at("", tmp_path, times=4))
-    list(in_pool(job, 4))
+    plan, job = begin_scan(store, out, run=killed_at("", tmp_path, times=2))
+    list(in_pool(job, 2))
     assert finished(out, plan) == undisturbed
 
 
@@ -240,7 +240,7 @@ def test_a_healthy_recording_that_was_killed_four_times_is_tried_once_more_at_th
 def test_a_scan_that_is_killed_as_a_whole_goes_on_where_it_was(
     store, undisturbed, out, tmp_path, start
 ):
-    scan = start("-c", POOL, store, out, tmp_path)
+    scan = start("-c", POOL, store, out, tmp_path, 2)
     until((tmp_path / "stopped").exists, "a worker that stands still")
     until(lambda: len([*(out / "done").glob("*.json")]) >= 5, "all other batches")
     scan.send_signal(signal.SIGKILL)  # the parent alone: its workers end by themselves
@@ -285,9 +285,9 @@ def test_a_worker_that_was_thought_dead_does_no_harm(store, undisturbed, out, tm
 
 
 def test_two_scans_at_once_share_the_work(store, undisturbed, out, tmp_path, start):
-    scans = [start("-c", POOL, store, out, tmp_path)]
-    until((tmp_path / "stopped").exists, "a worker of the first that stands still")
-    scans.append(start("-c", POOL, store, out, tmp_path))
+    scans = [start("-c", POOL, store, out, tmp_path, 1)]
+    until((tmp_path / "stopped").exists, "the worker of the first, which stands still")
+    scans.append(start("-c", POOL, store, out, tmp_path, 1))
     until(lambda: len([*(out / "done").glob("*.json")]) == 5, "all other batches")
     (tmp_path / "on").touch()
     assert [scan.wait() for scan in scans] == [0, 0]
