@@ -117,8 +117,8 @@ def _yolo_texts(side: str, ids: tuple[tuple[str, int], ...]) -> list[str]:
     lines: list[list[str]] = [[] for _ in range(N_FRAMES)]
     for frame, name, x, y, w, h, score in table.itertuples(index=False):
         lines[frame].append(
-            f"{number_of[name]} {(x + w / 2) / width:.6f} {(y + h / 2) / height:.6f} {w / width:.6f} "
-            f"{h / height:.6f}" + ("" if side == "truth" else f" {score:.3f}")
+            f"{number_of[name]} {(x + w / 2) / width:.6f} {(y + h / 2) / height:.6f} "
+            f"{w / width:.6f} {h / height:.6f}" + ("" if side == "truth" else f" {score:.3f}")
         )
     return ["\n".join(texts) for texts in lines]
 
