@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -21,11 +21,14 @@ from places import ROOT
 import nvcore as nv
 from nvcore.cli import main
 from nvcore.common.errors import InputError, StoreError
+from nvcore.metrics import false_alarms
+from nvcore.subjects.fleet import plan
 from nvcore.subjects.fleet.calls import Scan
 from nvcore.subjects.fleet.folder import begin
 from nvcore.subjects.fleet.location import Location
+from nvcore.subjects.fleet.plan import programs
 from nvcore.subjects.fleet.query import worst
-from nvcore.subjects.fleet.scan import in_process
+from nvcore.subjects.fleet.scan import Job, in_process
 from nvcore.subjects.fleet.store import Store
 
 POSITIONS = 2
@@ -112,50 +115,31 @@ def test_recordings_that_are_left_out_have_the_exit_code_1(tmp_path):
         assert "1 recording in quarantine (table quarantine), such as r1" in done.output
 
 
-MISSING = """
-import sys
-from nvcore.subjects.fleet.folder import begin
-from nvcore.subjects.fleet.location import Location
-from nvcore.subjects.fleet.results import ScanParams
-from nvcore.subjects.fleet.scan import Job
-from nvcore.subjects.fleet.store import Store
-from nvcore.common.errors import InputError
-store, out, *recompute = sys.argv[1:]
-scan = ScanParams("x", "y", frames=True)
-try:
-    made = Store(store).snapshot(), Location(out), scan
-    plan = begin(*made, recompute=bool(recompute), frames_per_batch=100)
-    print(len(Job(plan.store, out, plan.key).missing()), "of", len(plan.batches))
-except InputError as error:
-    print(error)
-"""
-
-
-def test_batches_of_another_program_are_refused_or_computed_anew(store, tmp_path):
+def test_batches_of_another_program_are_refused_or_computed_anew(store, tmp_path, monkeypatch):
     """One constant of a module that a batch imports is another; then only words about it are."""
+    out, module, find_source = Location(tmp_path / "out"), tmp_path / "module.py", plan._source_of
+    text = Path(false_alarms.__file__).read_text()
 
-    def missing(*recompute: str) -> str:
-        done = subprocess.run(
-            [sys.executable, "-c", MISSING, store, str(tmp_path / "out"), *recompute],
-            cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(tmp_path)},
-            capture_output=True, text=True, check=True,
-        )  # fmt: skip
-        return done.stdout.strip()
+    def find(name: str) -> Path | None:
+        return module if name == false_alarms.__name__ else find_source(name)
 
-    out = tmp_path / "out"
-    plan = begin(Store(store).snapshot(), Location(out), PARAMS, frames_per_batch=100)
-    for batch in plan.batches:
-        Location(out).write(f"done/{batch.key}.json", b"{}")
-    shutil.copytree(ROOT / "nvcore", tmp_path / "nvcore")
-    module = tmp_path / "nvcore/metrics/false_alarms.py"
-    text = module.read_text()
-    module.write_text(
-        f'"""Other words."""\n# and a comment\n{text[text.index("from __future__") :]}'
-    )
-    assert missing() == "0 of 6"
-    module.write_text(text + "\nANOTHER = 1\n")
-    assert "begun with another nvcore (its code differs)" in missing()
-    assert missing("recompute") == "6 of 6"
+    def missing(code: str, **options: bool) -> list[str]:
+        module.write_text(code)
+        monkeypatch.setattr(plan, "programs", cache(programs.__wrapped__))
+        snapshot = Store(store).snapshot()
+        made = begin(snapshot, out, PARAMS, frames_per_batch=100, **options)
+        return Job(made.store, out.uri, made.key).missing()
+
+    monkeypatch.setattr(plan, "_source_of", find)
+    batches = missing(text)
+    assert len(batches) == 6
+    for batch in batches:
+        out.write(f"done/{batch}.json", b"{}")
+    words = '"""Other words."""\n# and a comment\n'
+    assert missing(words + text[text.index("from __future__") :]) == []
+    with pytest.raises(InputError, match=r"begun with another nvcore \(its code differs\)"):
+        missing(text + "\nANOTHER = 1\n")
+    assert len({*missing(text + "\nANOTHER = 1\n", recompute=True)} - {*batches}) == 6
 
 
 def test_all_modules_that_a_batch_imports_are_part_of_its_key(store):
