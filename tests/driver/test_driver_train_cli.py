@@ -51,25 +51,7 @@ def test_from_trials_to_a_model(files: tuple[Path, Path], tmp_path: Path):
     assert "its estimates are learnt by a quick search" in described
 
 
-def test_from_trials_to_tables(files: tuple[Path, Path], tmp_path: Path):
-    trials, features = files
-    out = tmp_path / "tables"
-    options = ("--quick", "--threads", "2", "--leave-out", "B", "--out", out)
-    ran = nvcore("driver", "evaluate", trials, "--features", features, *options)
-    assert ran.exit_code == 0, ran.output
-    assert "subject B is left out" in ran.stdout
-    assert "paper, switched" in ran.stdout
-    assert "the mean of that row is 0.1418" in ran.stdout
-    assert (out / "errors.csv").read_text().count("\n") == 8
-    assert {path.name for path in out.glob("*.csv")} == {
-        *("errors.csv", "choices.csv", "pairs.csv", "pair_ranks.csv"),
-        *("periods.csv", "histograms.csv", "estimates.csv", "subjects.csv"),
-    }
-    assert (out / "summary.txt").read_text() in ran.stdout
-    assert "by a quick search of 1 setting\n" in ran.stdout
-
-
-def test_figures_and_tables_on_one_page(files: tuple[Path, Path], tmp_path: Path):
+def test_from_trials_to_tables_and_figures_on_one_page(files: tuple[Path, Path], tmp_path: Path):
     trials, features = files
     out = tmp_path / "evaluation.html"
     given = ("driver", "evaluate", trials, "--features", features, "--quick", "--html")
@@ -83,9 +65,18 @@ def test_figures_and_tables_on_one_page(files: tuple[Path, Path], tmp_path: Path
     assert "By a quick search of 1 setting." in page
     assert "the mean of that row is 0.1418" in page
     assert page.count('<td class="right">mean</td>') == 1
-    again = tmp_path / "again.html"
-    nvcore(*given, again)
+    again, tables = tmp_path / "again.html", tmp_path / "tables"
+    assert nvcore(*given, again, "--threads", "2", "--out", tables).stdout == ran.stdout
     assert again.read_bytes() == out.read_bytes()
+    assert "paper, switched" in ran.stdout
+    assert "the mean of that row is 0.1418" in ran.stdout
+    assert "by a quick search of 1 setting\n" in ran.stdout
+    assert (tables / "errors.csv").read_text().count("\n") == 8
+    assert {path.name for path in tables.glob("*.csv")} == {
+        *("errors.csv", "choices.csv", "pairs.csv", "pair_ranks.csv"),
+        *("periods.csv", "histograms.csv", "estimates.csv", "subjects.csv"),
+    }
+    assert (tables / "summary.txt").read_text() in ran.stdout
 
 
 def test_a_page_that_would_replace_an_input_is_refused_before_the_work(
@@ -105,9 +96,10 @@ def test_the_square_can_be_an_angle(files: tuple[Path, Path], tmp_path: Path):
     trials, features = files
     lengths = ("--distance-mm", "270", "--shown-width-mm", "226", "--picture-width-px", "1920")
     out = tmp_path / "driver.npz"
-    angle = ("--square-degrees", "5", *lengths, "--quick", "--out", out)
+    angle = ("--square-degrees", "5", *lengths, "--leave-out", "B", "--quick", "--out", out)
     ran = nvcore("driver", "train", trials, "--features", features, *angle)
     assert ran.exit_code == 0, ran.output
+    assert "subject B is left out" in ran.stdout
     assert read_estimator(out).origin.square_px == pytest.approx(200.3, abs=0.1)
 
 
