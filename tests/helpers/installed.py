@@ -6,10 +6,11 @@ of the running environment: those that the wheel's metadata name, and what these
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import Distribution, distribution
 from pathlib import Path
@@ -17,6 +18,13 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from places import ROOT
 
+RUN_EACH = """
+import json
+from click.testing import CliRunner
+from nvcore.cli import main
+done = [CliRunner().invoke(main, arguments) for arguments in json.loads({!r})]
+print(json.dumps([(of.exit_code, of.stdout, of.stderr) for of in done]))
+"""
 SCRIPTS = "Scripts" if os.name == "nt" else "bin"
 LOOP = "loop.nbi"
 """File that stands for the machine code of a release."""
@@ -62,6 +70,14 @@ class Installed:
     def run(self, *arguments: object, extras: tuple[str, ...] = ()) -> subprocess.CompletedProcess:
         """``nvcore`` with these arguments, in an environment with these extras."""
         return self._run(self.command(*arguments), extras)
+
+    def run_each(self, *commands: Sequence[object]) -> list[tuple[int, str, str]]:
+        """Exit code, output and errors of ``nvcore`` with each of these arguments, in one process.
+
+        In an environment without extras.
+        """
+        given = json.dumps([[*map(str, arguments)] for arguments in commands])
+        return [*map(tuple, json.loads(self.python(RUN_EACH.format(given)).stdout))]
 
     def python(self, code: str, *, extras: tuple[str, ...] = ()) -> subprocess.CompletedProcess:
         """Python with this code, likewise."""
