@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
 from builders import make_dataset
 from inputs import drive, session_of, write
 
 from nvcore.dataset.tables import dataset_from_tables, tables_fingerprint
 from nvcore.inputs.load import load
-from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
+from nvcore.inputs.session import RecordingEntry, Session, SystemSource
 from nvcore.settings.params import Params
 
 
@@ -32,24 +31,23 @@ def test_the_fingerprint_changes_with_one_byte_of_the_input(tmp_path: Path):
     assert fingerprint(session_of(tmp_path)) != before
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
+def test_the_fingerprint_changes_with_every_setting_of_the_reading(tmp_path: Path):
+    session = session_of(drive(tmp_path))
+    x, y = session.systems
+    changes: list[dict[str, object]] = [
+        {},
         {"size": (641, 480)},
         {"fps": 21.0},
         {"frames": "0:18"},
-        {"truth": Source(("truth.csv",), classes=("person",))},
-        {"systems": (SystemSource(("fir.csv",), offset_frames=1), SystemSource(("nir.csv",)))},
-        {"systems": (SystemSource(("fir.csv",), scale=(1, 2)), SystemSource(("nir.csv",)))},
+        {"truth": replace(session.truth, classes=("person",))},
+        {"systems": (replace(x, offset_frames=1), y)},
+        {"systems": (replace(x, scale=(1, 2)), y)},
         {"recordings": (RecordingEntry("urban", horizon=200.0),)},
         {"recordings": (RecordingEntry("urban", tags=("night",)),)},
         {"recordings": (RecordingEntry("urban", context=0.0),)},
         {"recordings": (RecordingEntry("urban", speed_kmh=50.0),)},
-    ],
-)
-def test_the_fingerprint_changes_with_every_setting_of_the_reading(tmp_path: Path, change: dict):
-    session = session_of(drive(tmp_path))
-    assert fingerprint(replace(session, **change)) != fingerprint(session)
+    ]
+    assert len({fingerprint(replace(session, **change)) for change in changes}) == len(changes)
 
 
 def test_the_fingerprint_does_not_change_with_live_parameters_and_without_tags(tmp_path: Path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from field_scene import FPS, RIGHT, SIZE, found, write_yolo
@@ -42,9 +43,9 @@ def write_list(path: Path, picture: str) -> None:
     path.write_text("".join(f"{picture.format(Path(name_of(i)).stem)}\n" for i in range(40)))
 
 
-def compared(
+def loaded(
     folder: Path, labels: str, frames: str | None = None, pictures: str | None = None
-) -> tuple[dict[str, object], nv.Dataset]:
+) -> nv.Dataset:
     session = Session(
         folder=folder,
         truth=Source(labels),
@@ -54,7 +55,11 @@ def compared(
         frames=frames,
         recordings=() if pictures is None else (RecordingEntry("drive", pictures=pictures),),
     )
-    dataset = load(session)
+    return load(session)
+
+
+def compared(*files: Any, **facts: Any) -> tuple[dict[str, Any], nv.Dataset]:
+    dataset = loaded(*files, **facts)
     return found(nv.compare(dataset)), dataset
 
 
@@ -120,14 +125,14 @@ def test_nobody_is_in_a_listed_picture_without_a_label_file(tmp_path, labels, wr
 def test_pictures_of_which_only_some_may_be_annotated_are_asked_about(tmp_path, annotated, steps):
     write_scene(tmp_path, "labels", {*range(40)} - {*annotated})
     write_pictures(tmp_path / "images")
-    _, dataset = compared(tmp_path, "labels")
+    dataset = loaded(tmp_path, "labels")
     assert dataset.frame_columns.frame.tolist() == [*annotated]
     finding = finding_of(dataset, "pictures-not-annotated")
     assert finding.severity is Severity.WARNING
     assert [(step.remedy, step.value) for step in finding.steps] == [
         (Remedy.FRAMES, step) for step in steps
     ]
-    _, dataset = compared(tmp_path, "labels", frames=finding.steps[0].value)
+    dataset = loaded(tmp_path, "labels", frames=finding.steps[0].value)
     assert len(dataset.frame_columns) == 40
 
 
@@ -153,7 +158,7 @@ def test_nothing_is_said_of_label_files_without_gaps(tmp_path):
 
 def test_annotation_of_every_fourth_frame_is_no_gap(tmp_path):
     write_scene(tmp_path, "labels", {*range(40)} - {*range(0, 40, 4)})
-    assert not compared(tmp_path, "labels")[1].findings
+    assert not loaded(tmp_path, "labels").findings
 
 
 def test_a_second_picture_of_a_frame_is_no_frame_of_its_own(tmp_path):
