@@ -66,7 +66,8 @@ def test_from_trials_to_tables_and_figures_on_one_page(files: tuple[Path, Path],
     assert "the mean of that row is 0.1418" in page
     assert page.count('<td class="right">mean</td>') == 1
     again, tables = tmp_path / "again.html", tmp_path / "tables"
-    assert nvcore(*given, again, "--threads", "2", "--out", tables).stdout == ran.stdout
+    second = nvcore(*given, again, "--threads", "2", "--out", tables)
+    assert second.stdout.splitlines()[:-1] == ran.stdout.splitlines()[:-1]  # the last: how long
     assert again.read_bytes() == out.read_bytes()
     assert "paper, switched" in ran.stdout
     assert "the mean of that row is 0.1418" in ran.stdout
@@ -76,7 +77,7 @@ def test_from_trials_to_tables_and_figures_on_one_page(files: tuple[Path, Path],
         *("errors.csv", "choices.csv", "pairs.csv", "pair_ranks.csv"),
         *("periods.csv", "histograms.csv", "estimates.csv", "subjects.csv"),
     }
-    assert (tables / "summary.txt").read_text() in ran.stdout
+    assert (tables / "summary.txt").read_text() in second.stdout
 
 
 def test_a_page_that_would_replace_an_input_is_refused_before_the_work(
