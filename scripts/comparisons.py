@@ -67,6 +67,8 @@ gate {session} {flags} --rules rules.txt --list --junit gate.xml --markdown gate
 RUNS = {
     "random": SCORE,
     "default": f"""{SCORE}
+        review new ours {{session}} --projects p.sqlite ; review list ours --projects p.sqlite
+        review measures ours --projects p.sqlite
         check {{session}} --strict --out audit ; compare {{session}} --json
         matrix {{session}} --out matrix ; plan {{session}} --out plan.json
         alerts {{session}} --out alerts ; changed {{session}} --old FIR --new NIR --out changed

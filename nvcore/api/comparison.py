@@ -218,7 +218,7 @@ class Comparison:
             path,
             stability=arguments.stability,
             inscription=arguments,
-            looks=add_look(arguments.looks, self.result),
+            look=add_look(arguments.looks, self.result, self.protocol),
         )
 
     @cached_property

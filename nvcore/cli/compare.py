@@ -152,14 +152,14 @@ def compare(
         result = at_operating_point(compare(dataset), session.operating_point or "as-set")
         steps.begin("what fusion would do")
         shown = shown_findings(session, dataset, findings)
+        look = add_look(looks, result, session.protocol)
         if as_json:
             text = summary_json(result)
         else:
             name = _session_name(options["session_file"], out)
             plan_command = "" if plan else f"{program()} plan {name or 'SESSION_FILE'}"
-            n_looks = add_look(looks, result)
             conclusion = planned_verdict(
-                result, findings, session.protocol, plan_command=plan_command, looks=n_looks
+                result, findings, session.protocol, plan_command=plan_command, look=look
             )
             next_steps = _next_steps(name, is_full=full)
             if full:
@@ -171,7 +171,7 @@ def compare(
                     result, shown, conclusion, next_steps=next_steps, most_lines=room
                 )
         if out is not None:
-            kinds: dict[str, Any] = {"tables": tables or "csv", "matches": matches}
+            kinds: dict[str, Any] = {"tables": tables or "csv", "matches": matches, "look": look}
             write_report(result, session, out, findings, progress=steps, **kinds)
     if full or as_json:
         short = _for_terminal(session, dataset, longest=MAX_CONVERSION)

@@ -79,7 +79,7 @@ def report(out: Path, strict: bool, **options: Any) -> None:
                 pictures=pictures,
                 stability=options["stability"],
                 inscription=arguments_of(Inscription, options),
-                looks=add_look(options["looks"], result),
+                look=add_look(options["looks"], result, session.protocol),
                 progress=progress,
             )
     click.echo(render_findings(shown_findings(session, result.dataset, findings)))

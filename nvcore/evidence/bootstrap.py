@@ -19,6 +19,9 @@ MIN_UNITS: Final = 8
 """Fewest units for an interval. In 1,500 simulations, the 95 % interval of 8 draws contained the
 true mean in 93 % of cases for normal and in 87 % for lognormal values (sigma 1). With 6 draws these
 were 94 and 85 %, and the ends depended on a few of only 462 distinct resamples."""
+MIN_DIFFERING: Final = 6
+"""Fewest units in which X and Y differ for an interval, as for a p-value. If X is better in four of
+ten and equal in the others, resamples hardly ever favour Y."""
 INTERVAL_RULE: Final = (
     "An interval need not have the difference in its middle: it reaches further to the side of the "
     "recordings that differ most, which a resample may have twice or three times, and its ends are "
@@ -173,8 +176,11 @@ def _resample(
         return without("")
     if n < MIN_UNITS:
         return without(f"too few {units} for an interval: {n}, at least {MIN_UNITS} are needed")
-    if np.array_equal(x, y):
-        return without(f"X and Y are the same in all {units}")
+    n_differing = int(np.count_nonzero((x != y).reshape(n, -1).any(axis=1)))
+    if n_differing < MIN_DIFFERING:
+        few = f"X and Y differ in too few {units} for a test: {n_differing}, at least"
+        same = f"X and Y are the same in all {units}"
+        return without(f"{few} {MIN_DIFFERING} are needed" if n_differing else same)
 
     sums_of_units = np.concatenate([x.reshape(n, -1), y.reshape(n, -1)], axis=1).astype(float)
     taken_off = np.zeros(n) if shift is None else shift / n

@@ -23,6 +23,8 @@ from nvcore.notes import Note
 CLAIMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
 """Keys of the measures whose differences the verdict may claim."""
 FALSE_ALERTS: Final = "false_alert_episodes_per_hour"
+MIN_ALARMS: Final = 8
+"""Fewest false alarms of the other system that say anything about a ratio to them."""
 ALARM_MARGIN: Final = 1.25
 """Delivered systems: most false alarms of the better one, as a multiple of the other's."""
 
@@ -244,15 +246,15 @@ def alarm_ratio_limit(result: Result, units: Units, of: str) -> float:
     """Return the upper end of the 95 % interval of a system's false alarms over the other's.
 
     The interval is that of the logarithm of the ratio, by its linear part (delta method), with
-    Student's t. Infinite if the other system has none; 0 if neither has any.
+    Student's t. Infinite if the other system has fewer than `MIN_ALARMS`.
     """
     own, other = (
         units.total(units.unit_of_frame, result.system(letter).false_alarms)
         for letter in (of, "y" if of == "x" else "x")
     )
     n, n_own, n_other = len(units), float(own.sum()), float(other.sum())
-    if not n_own or not n_other:
-        return np.inf if n_own else 0.0
+    if not n_own or n_other < MIN_ALARMS:
+        return 0.0 if n_other >= MIN_ALARMS else np.inf
     parts = own / n_own - other / n_other
     error = np.sqrt(n / (n - 1) * (parts**2).sum())
     quantile = scipy.special.stdtrit(n - 1, (1 + CONFIDENCE) / 2)

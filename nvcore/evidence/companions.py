@@ -135,7 +135,8 @@ def grade_systems(result: Result) -> Graded:
     equal = find_equal_alarms(result) if result.as_set is None else result
     if equal is None:
         return Graded.undefined("points" if which_moves(result) else "scores", units)
-    ends = ends_of_ratio(equal, units)
+    is_unsure = are_unequal(result) and _alarms_apart(equal, units).error > MOST_ERROR
+    ends = () if is_unsure else ends_of_ratio(equal, units)
     return grade((equal, *ends), units) if ends else Graded.undefined("alarms", units)
 
 

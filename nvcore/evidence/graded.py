@@ -25,9 +25,13 @@ SPREAD_SD: Final = 2.0
 """Scale of the half-normal spread tau between units, in logits."""
 POWER: Final = 1 / 1.5
 N_APART: Final = 81
-N_SPREAD: Final = 7
-N_UNIT: Final = 21
-"""Points of the grid over d, tau and z."""
+"""Points of the grid over d."""
+COARSE: Final = 7, 21
+FINE: Final = 15, 81
+"""Points of the grid over tau and z."""
+MOST_COARSE: Final = 20
+"""Most encounters of a unit missed by one system alone for the coarse grid. With 60, it gave 0.77
+in place of 0.83."""
 MIN_UNITS: Final = 2
 MOST_OF_FEW: Final = 0.9
 """Highest probability with fewer than six units. In simulated studies with people in groups, 85 %
@@ -38,14 +42,12 @@ _APART: Final = np.linspace(-4, 4, N_APART) * PRIOR_SD
 _LOG_PRIOR: Final = -0.5 * (_APART / PRIOR_SD) ** 2
 
 
-def _middles(n: int) -> np.ndarray:
-    """Return the middles of `n` equal parts of 0 to 1."""
-    middles: np.ndarray = (np.arange(n) + 0.5) / n
-    return middles
-
-
-_SPREAD: Final = SPREAD_SD * scipy.special.ndtri(0.5 + 0.5 * _middles(N_SPREAD))
-_UNIT: Final = scipy.special.ndtri(_middles(N_UNIT))
+def _unit_logits(n_spread: int, n_unit: int) -> np.ndarray:
+    """Return tau z on a grid of equal prior weights, shape (n_spread, n_unit)."""
+    middle = [(np.arange(n) + 0.5) / n for n in (n_spread, n_unit)]
+    spread = SPREAD_SD * scipy.special.ndtri(0.5 + 0.5 * middle[0])
+    logits: np.ndarray = spread[:, None] * scipy.special.ndtri(middle[1])
+    return logits
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,8 @@ def probability(only_x: np.ndarray, only_y: np.ndarray) -> np.ndarray:
     Float64, shape (1 + n_units,).
     """
     pairs, unit = np.unique(np.stack([only_x, only_y], axis=1), axis=0, return_inverse=True)
-    logit = _APART[:, None, None] + _SPREAD[:, None] * _UNIT  # (d, tau, z)
+    grid = COARSE if pairs.sum(axis=1).max() <= MOST_COARSE else FINE
+    logit = _APART[:, None, None] + _unit_logits(*grid)  # (d, tau, z)
     log_x, log_y = -np.logaddexp(0, -logit), -np.logaddexp(0, logit)
     of_pair = np.array(
         [scipy.special.logsumexp(POWER * (n_x * log_x + n_y * log_y), axis=2) for n_x, n_y in pairs]

@@ -8,17 +8,40 @@ import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, NamedTuple
 
 import pandas as pd
 
 from nvcore.common.errors import InputError
 from nvcore.comparison.compare import Result
+from nvcore.dataset import Dataset
 from nvcore.evidence.companions import Companions
+from nvcore.settings.primary import Primary
+from nvcore.settings.protocols import PROTOCOLS, Protocol
 
 
-def setting_of(result: Result) -> dict[str, Any]:
-    """Return what a verdict rests on: data, systems, settings and primary measure."""
+class Look(NamedTuple):
+    """A verdict that is shown.
+
+    Attributes
+    ----------
+    number
+        How many different settings were shown up to the first time that this one was.
+    factor
+        Multiplier of each p: ``number * (number + 1)``, or 1 for the first look at a question that
+        was fixed beforehand.
+    """
+
+    number: int = 1
+    factor: int = 1
+
+
+ONLY_LOOK: Final = Look()
+"""Look at data of which no looks are counted."""
+
+
+def setting_of(result: Result, protocol: Protocol = PROTOCOLS["all"]) -> dict[str, Any]:
+    """Return what a verdict rests on: data, systems, settings, protocol and primary measure."""
     dataset = result.dataset
     return {
         "data": dataset.fingerprint,
@@ -27,6 +50,7 @@ def setting_of(result: Result) -> dict[str, Any]:
         "y": result.y.name,
         "operating_point": "equal-alarms" if result.as_set else dataset.settings.operating_point,
         "primary": dataset.primary.key,
+        "protocol": protocol.given(),
         **(result.as_set or result).params.stated(),
     }
 
@@ -37,8 +61,21 @@ def look_key(setting: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def add_look(path: str | os.PathLike[str] | None, result: Result) -> int:
-    """Add a look to a file of looks, if it is new, and return how many there are.
+def look_of(number: int, dataset: Dataset) -> Look:
+    """Return the look of this number at some data.
+
+    The shares of 5 % that looks may err in, ``1 / (k (k + 1))`` of it at look k, sum up to 5 %
+    however many follow. A primary measure named in the session file is tested by itself, so its
+    first look has all of it.
+    """
+    is_fixed = dataset.primary != Primary() and not dataset.primary.is_changed
+    return Look(number, 1 if number == 1 and is_fixed else number * (number + 1))
+
+
+def add_look(
+    path: str | os.PathLike[str] | None, result: Result, protocol: Protocol = PROTOCOLS["all"]
+) -> Look:
+    """Add a look to a file of looks, if it is new, and return its number and factor.
 
     The file has one JSON object per line, with what each verdict rested on. Without a file, this
     is the only look.
@@ -49,39 +86,35 @@ def add_look(path: str | os.PathLike[str] | None, result: Result) -> int:
         If the file holds something else, or cannot be written; with the line.
     """
     if path is None:
-        return 1
-    path, setting, keys = Path(path), setting_of(result), set()
+        return ONLY_LOOK
+    path, setting, keys = Path(path), setting_of(result, protocol), []
     try:
         lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
         for line, text in enumerate(lines, start=1):
             known = json.loads(text)
             if not isinstance(known, dict) or "data" not in known:
                 raise InputError(f"{path.name}, line {line}: no look that nvcore wrote")
-            keys.add(look_key(known))
+            keys.append(look_key(known))
         if look_key(setting) not in keys:
             with path.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(setting, sort_keys=True, default=str) + "\n")
+            keys.append(look_key(setting))
     except OSError as error:
         raise InputError(f"{path}: looks cannot be kept ({error.strerror})") from error
     except ValueError as error:
         raise InputError(f"{path.name}, line {line}: no look that nvcore wrote") from error
-    return len(keys | {look_key(setting)})
+    return look_of(1 + keys.index(look_key(setting)), result.dataset)
 
 
 def correct_for_looks(
-    evidence: pd.DataFrame, companions: Companions, n: int
+    evidence: pd.DataFrame, companions: Companions, look: Look
 ) -> tuple[pd.DataFrame, Companions]:
-    """Multiply each corrected p by the number of looks (Bonferroni), up to 1.
-
-    The claims of all looks are one family: at most 5 % of series of looks without a difference end
-    with a claim.
-    """
-    if n < 2:
-        return evidence, companions
+    """Multiply each corrected p by the factor of a look, up to 1."""
     at_equal = companions.evidence
-    corrected = None if at_equal is None else _multiplied(at_equal, n)
-    return _multiplied(evidence, n), replace(companions, evidence=corrected)
+    corrected = None if at_equal is None else multiplied(at_equal, look)
+    return multiplied(evidence, look), replace(companions, evidence=corrected)
 
 
-def _multiplied(evidence: pd.DataFrame, n: int) -> pd.DataFrame:
-    return evidence.assign(p_corrected=(n * evidence["p_corrected"]).clip(upper=1.0))
+def multiplied(evidence: pd.DataFrame, look: Look) -> pd.DataFrame:
+    """Return a table of evidence with each corrected p multiplied by the factor of a look."""
+    return evidence.assign(p_corrected=(look.factor * evidence["p_corrected"]).clip(upper=1.0))

@@ -24,6 +24,7 @@ from nvcore.common.output.parquet import to_parquet_bytes
 from nvcore.common.progress import Progress, no_progress
 from nvcore.comparison.compare import Result
 from nvcore.dataset import Dataset
+from nvcore.evidence.looks import ONLY_LOOK, Look, multiplied
 from nvcore.evidence.subgroups.table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.inputs.files.hashes import source_hashes
@@ -79,6 +80,7 @@ def export_files(
     *,
     tables: TableFormat = "csv",
     matches: bool = False,
+    look: Look = ONLY_LOOK,
 ) -> dict[str, Callable[[], bytes]]:
     """Return functions that write the files of a report, by file name.
 
@@ -92,6 +94,8 @@ def export_files(
         ``"csv"``, or ``"parquet"`` for all digits.
     matches
         True to include ``matches.parquet``, with a row for each box.
+    look
+        Look for which p are corrected in ``significance.csv``.
     """
     made: dict[str, Callable[[], pd.DataFrame]] = {
         "frames": lambda: frames_table(result),
@@ -99,7 +103,7 @@ def export_files(
         "events": lambda: events_table(result),
         "intervals": lambda: intervals_table(result),
         "recordings": lambda: recordings_table(result),
-        "significance": lambda: evidence_table(result, session.protocol),
+        "significance": lambda: multiplied(evidence_table(result, session.protocol), look),
         "subgroups": lambda: subgroup_table(result, protocol=session.protocol),
         "findings": lambda: findings_table(findings),
         "finding_entries": lambda: finding_entries(result.dataset, findings),
@@ -162,6 +166,7 @@ def write_report(
     *,
     tables: TableFormat = "csv",
     matches: bool = False,
+    look: Look = ONLY_LOOK,
     progress: Progress = no_progress,
 ) -> None:
     """Write all files of a report into a folder, which is created if missing.
@@ -170,7 +175,7 @@ def write_report(
 
     Parameters
     ----------
-    tables, matches
+    tables, matches, look
         See `export_files`.
 
     Raises
@@ -179,7 +184,7 @@ def write_report(
         If the folder cannot be written to, or holds the run of another command.
     """
     refuse_other_run(folder, REPORT_FILES)
-    files = export_files(result, session, findings, tables=tables, matches=matches)
+    files = export_files(result, session, findings, tables=tables, matches=matches, look=look)
     write_run(folder, _file_contents(files, progress), known=REPORT_FILES)
 
 

@@ -15,7 +15,7 @@ from nvcore.common.wording import duration_text, percent
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import difference_text
 from nvcore.evidence.companions import Companions
-from nvcore.evidence.looks import correct_for_looks
+from nvcore.evidence.looks import ONLY_LOOK, Look, correct_for_looks
 from nvcore.evidence.measures import evidence_of, primary_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
@@ -78,7 +78,7 @@ def planned_verdict(
     protocol: Protocol = PROTOCOLS["all"],
     *,
     plan_command: str = "",
-    looks: int = 1,
+    look: Look = ONLY_LOOK,
 ) -> Verdict:
     """Compute the verdict with its tests, comparisons at equal false alarms, and a study plan.
 
@@ -90,14 +90,12 @@ def planned_verdict(
         Selection of the pedestrians for the detection measures.
     plan_command
         Command that plans, to be named in place of a plan.
-    looks
-        Number of settings whose verdict was shown, with this one (`nvcore.evidence.looks`).
+    look
+        Number and factor of this look at the data (`nvcore.evidence.looks`).
     """
-    evidence, companions = correct_for_looks(*judge_both(result, protocol), looks)
+    evidence, companions = correct_for_looks(*judge_both(result, protocol), look)
     plan = verdict_plan(result, evidence, companions, command=plan_command)
-    return verdict(
-        result, findings, evidence=evidence, companions=companions, plan=plan, looks=looks
-    )
+    return verdict(result, findings, evidence=evidence, companions=companions, plan=plan, look=look)
 
 
 def render_plan(plan: Plan) -> str:

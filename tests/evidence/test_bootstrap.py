@@ -87,6 +87,7 @@ def test_a_measure_of_a_whole_curve_can_be_resampled() -> None:
 SHARED, _ = draw(7, 12)
 ONLY_ONE = np.zeros((10, 2))  # of ten units has anything to count
 ONLY_ONE[0] = 1, 4
+MORE = ONLY_ONE + np.array([0.1, 0])
 
 
 @pytest.mark.parametrize(
@@ -97,7 +98,8 @@ ONLY_ONE[0] = 1, 4
         (*draw(6, MIN_UNITS - 1), 0.0107, "few units for an interval: 7, at least 8 are needed"),
         (SHARED, SHARED.copy(), 0, "X and Y are the same in all units"),
         (SHARED, rates(SHARED[:, 0] - 0.1), 0.1, "differ by the same in all units"),
-        (3 * ONLY_ONE / [1, 3], ONLY_ONE, 0.5, "undefined in some resamples"),
+        (MORE, ONLY_ONE, 0.25, "undefined in some resamples"),
+        (3 * ONLY_ONE / [1, 3], ONLY_ONE, 0.5, "in too few units for a test: 1, at least 6"),
     ],
 )
 def test_without_an_interval_there_are_words(

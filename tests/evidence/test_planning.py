@@ -453,7 +453,7 @@ def test_a_plan_in_words():
     assert first.startswith("Share of encounters detected, by recordings: X ")
     assert " in 12 recordings with 60 encounters; p = " in first
     assert exclude.startswith(
-        "At 95 % confidence, these 12 recordings exclude a difference X - Y below +"
+        "By the 95 % interval of these 12 recordings, a difference X - Y below +"
     )
     assert " would show a difference of 20.0 pp in 80 % of studies (simulated: " in named
     most = plan.sizes[0].most_recordings

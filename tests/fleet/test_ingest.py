@@ -83,6 +83,7 @@ def test_every_key_of_a_session_is_carried_or_named(tmp_path: Path):
     tables |= {f"[{name}]": kind for name, kind in TABLES_OF_SUBJECTS.items()}
     named = {
         *("[compare] x", "[compare] y", "[compare] accept", "[compare] operating_point"),
+        *("[compare] rules", "[[system]] version_of"),
         *("[compare] primary", "[compare] protocol", "[compare] published", "[compare] codes"),
         *("[[recording]] visible", "[[recording]] visible_map"),
         *("[[recording]] light", "[[recording]] gaze"),

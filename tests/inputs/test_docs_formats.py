@@ -57,7 +57,7 @@ def test_the_example_of_a_session_file_can_be_read_and_shows_every_key(tmp_path:
     example = re.search(r"^```toml\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
     assert example is not None
     session = read_session(write(tmp_path / "session.toml", example[1]))
-    assert [system.name for system in session.systems] == ["FIR", "NIR"]
+    assert [system.name for system in session.systems] == ["FIR", "NIR", "NIR 2"]
     assert session.size == (640, 480)
     assert session.params.edge_weight == 0.2
     assert session.systems[1].offset_px == (0, 12)

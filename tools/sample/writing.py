@@ -20,6 +20,7 @@ from tools.sample.systems import RANGING, THRESHOLD
 from tools.sample.visible.recordings import GLOWS, session_keys
 from tools.sample.visible.view import VISIBLE_SIZE, visible_map
 
+VERSIONS: Final = {"NIR 2": 'version_of = "NIR"\n'}
 SYSTEM_FILES: Final = {"FIR": "fir.csv", "NIR": "nir.csv", "NIR 2": "nir2.csv"}
 TRUTH_FILE: Final = "truth.csv"
 _QUALITY: Final = "26"
@@ -59,7 +60,8 @@ def session_text(recordings: Iterable[Recording]) -> str:
     source = 'path = "{}"\nformat = "csv"\nframe_base = 0\n'
     tables.append("[truth]\n" + source.format(TRUTH_FILE))
     tables += [
-        f'[[system]]\nname = "{name}"\n{source.format(path)}threshold = {THRESHOLD}\n'
+        f'[[system]]\nname = "{name}"\n{VERSIONS.get(name, "")}{source.format(path)}'
+        f"threshold = {THRESHOLD}\n"
         for name, path in SYSTEM_FILES.items()
     ]
     return "\n".join(tables)

@@ -136,8 +136,6 @@ def _size(plan: Plan, size: PlanSize) -> Note:
         sought=sought,
         power=plan.power,
         simulated=size.power,
-        low=size.power_low,
-        high=size.power_high,
         n_pilot=plan.evidence.n,
         least=size.least_recordings or 0,
         most=size.most_recordings or 0,

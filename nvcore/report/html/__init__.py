@@ -20,7 +20,7 @@ from nvcore.common.output.files import write_whole
 from nvcore.common.progress import Progress, no_progress, part_of
 from nvcore.common.wording import UNDEFINED, one_line
 from nvcore.comparison.compare import Result
-from nvcore.evidence.looks import correct_for_looks
+from nvcore.evidence.looks import ONLY_LOOK, Look, correct_for_looks
 from nvcore.evidence.stability.map import MAPS
 from nvcore.evidence.subgroups.table import subgroup_table
 from nvcore.evidence.table import judge_both
@@ -57,7 +57,7 @@ def write_html_report(
     pictures: RecordingPictures | None = None,
     stability: bool | None = None,
     inscription: Inscription = NO_INSCRIPTION,
-    looks: int = 1,
+    look: Look = ONLY_LOOK,
     progress: Progress = no_progress,
 ) -> None:
     """Write the HTML report, replacing an existing file.
@@ -74,8 +74,8 @@ def write_html_report(
         Whether to compute the stability maps. None: for up to 20,000 frames.
     inscription
         Title, author, question and date on the first page.
-    looks
-        Number of settings whose verdict was shown, with this one (`nvcore.evidence.looks`).
+    look
+        Number and factor of this look at the data (`nvcore.evidence.looks`).
     progress
         Called before each part. If it raises, nothing is written.
 
@@ -95,7 +95,7 @@ def write_html_report(
             protocol=session.protocol,
             stability=stability,
             inscription=inscription.in_short(),
-            looks=looks,
+            look=look,
             progress=progress,
         ).encode()
     finally:
@@ -113,12 +113,12 @@ def _render(
     protocol: Protocol,
     stability: bool | None,
     inscription: Inscription,
-    looks: int,
+    look: Look,
     progress: Progress,
 ) -> str:
     """Compute the report's contents and return its HTML."""
     progress(0.0, "testing the differences")
-    evidence, companions = correct_for_looks(*judge_both(result, protocol), looks)
+    evidence, companions = correct_for_looks(*judge_both(result, protocol), look)
     subgroups = subgroup_table(result, protocol=protocol)
     progress(0.15, "detection curves")
     detection = on_evidence.detection_section(result, protocol)
@@ -127,7 +127,7 @@ def _render(
     progress(0.3, "tables")
     plan = verdict_plan(result, evidence, companions, plans=plans)
     conclusion = verdict(
-        result, findings, evidence=evidence, companions=companions, plan=plan, looks=looks
+        result, findings, evidence=evidence, companions=companions, plan=plan, look=look
     )
     sections = [
         on_evidence.verdict_section(result, conclusion),

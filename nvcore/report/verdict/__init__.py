@@ -16,6 +16,7 @@ from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import as_shown
 from nvcore.evidence.claims import Basis, Claim, decided_on, find_claims
 from nvcore.evidence.companions import Companions
+from nvcore.evidence.looks import ONLY_LOOK, Look
 from nvcore.evidence.operating_points import SETTLED
 from nvcore.notes import Note, phrase, say
 from nvcore.notes.caveats import caveats
@@ -146,7 +147,7 @@ def verdict(
     evidence: pd.DataFrame | None = None,
     companions: Companions | None = None,
     plan: tuple[Note, ...] = (),
-    looks: int = 1,
+    look: Look = ONLY_LOOK,
 ) -> Verdict:
     """Decide which differences between X and Y may be claimed, and describe the measures.
 
@@ -168,8 +169,8 @@ def verdict(
         are unknown (None).
     plan
         `nvcore.report.plan.verdict_plan` of the result: how many more recordings it would take.
-    looks
-        Number of settings for which `nvcore.evidence.looks.correct_for_looks` corrected p.
+    look
+        The look for which `nvcore.evidence.looks.correct_for_looks` corrected p.
 
     Notes
     -----
@@ -205,11 +206,11 @@ def verdict(
     every = in_place(
         (
             Point("Operating points", points.operating_points(result, companions)),
-            Point("Question", points.question(result, decisive, looks)),
+            Point("Question", points.question(result, decisive, look)),
             Point(HOW_SURE, points.probability(result, companions)),
             Point(
                 "Encounters",
-                (*points.encounters(result, tested, support), *points.unlisted(result, findings)),
+                (*points.encounters(result, tested, support), *points.unlisted(about, findings)),
             ),
             Point("Severity", points.weights(result)),
             Point("Other measures", points.measures(result, evidence)),

@@ -32,6 +32,7 @@ from nvcore.evidence.claims import (
 )
 from nvcore.evidence.companions import Companions, is_unsure
 from nvcore.evidence.graded import Graded
+from nvcore.evidence.looks import ONLY_LOOK, Look
 from nvcore.evidence.measures import primary_of
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.operating_points import (
@@ -96,13 +97,15 @@ def operating_points(result: Result, companions: Companions | None) -> tuple[Not
     return Note("verdict.unequal_numbers", alarms=alarms), of_claims
 
 
-def question(result: Result, evidence: pd.DataFrame | None, looks: int = 1) -> tuple[Note, ...]:
+def question(
+    result: Result, evidence: pd.DataFrame | None, look: Look = ONLY_LOOK
+) -> tuple[Note, ...]:
     """Return the primary measure and how it was tested, or nothing without any p-value."""
     if evidence is None or not np.isfinite(evidence["p_corrected"]).any():
         return ()
     primary = primary_of(result.dataset)
     named = Note("verdict.measure", key=primary.key)
-    tried = (Note("verdict.looks", n=looks),) if looks > 1 else ()
+    tried = (Note("verdict.look", **look._asdict()),) if look.factor > 1 else ()
     if primary.is_changed:
         return (Note("verdict.primary_changed", primary=named, when=primary.when), *tried)
     if not has_primary(evidence, primary.key):
@@ -275,8 +278,7 @@ def probability(result: Result, companions: Companions | None) -> tuple[Note, ..
     more, fewer = graded.x_misses, graded.y_misses
     if winner == "y":
         more, fewer = fewer, more
-    said = {"winner": winner, "share": round(100 * share), "noun": graded.noun}
-    said |= {"more": more, "fewer": fewer}
+    said = {"winner": winner, "share": round(100 * share), "more": more, "fewer": fewer}
     if not is_delivered:
         return (Note("verdict.graded", **said),)
     is_worse = alarm_ratio_limit(result, find_whole(result.dataset), winner) > ALARM_MARGIN

@@ -62,6 +62,7 @@ _TABLE_OF: Final = {
     "[compare] codes": "[[code]]",
     "[compare] primary": "[primary]",
     "[compare] protocol": "[protocol]",
+    "[compare] rules": "[gate]",
 }
 """Tables of a session file that are fields of `Session`."""
 

@@ -303,30 +303,27 @@ class ProjectStore(SqliteFile):
         return table.assign(is_done=table["is_done"].astype(bool))
 
     def look(self, token: str, setting: Mapping[str, Any], p: Mapping[str, float]) -> int:
-        """Record that a verdict was shown, and return how many different ones were.
+        """Record that a verdict was shown, and return the number of this look.
 
         Parameters
         ----------
         setting
-            Settings, thresholds and recordings on which the verdict rests.
+            What the verdict rests on (`nvcore.evidence.looks.setting_of`).
         p
             p of each measure in it.
         """
-        text = json.dumps(setting, sort_keys=True, default=str)
+        text, key = json.dumps(setting, sort_keys=True, default=str), look_key(setting)
         with self.connect() as base:
             base.execute(
                 "INSERT OR IGNORE INTO look VALUES (NULL, ?, ?, ?, ?, ?)",
-                (
-                    token,
-                    look_key(setting),
-                    text,
-                    json.dumps(dict(p)),
-                    datetime.now(UTC).isoformat(),
-                ),
+                (token, key, text, json.dumps(dict(p)), datetime.now(UTC).isoformat()),
             )
-            query = "SELECT COUNT(*) FROM look WHERE project = ?"
-            (n,) = base.execute(query, (token,)).fetchone()
-        return int(n)
+            query = (
+                "SELECT COUNT(*) FROM look WHERE project = ?1 AND n <= "
+                "(SELECT n FROM look WHERE project = ?1 AND key = ?2)"
+            )
+            (number,) = base.execute(query, (token, key)).fetchone()
+        return int(number)
 
     def used_bytes(self) -> int:
         """Return the total size of all copies."""

@@ -87,7 +87,8 @@ def _select(names: tuple[str, str], index: pd.Index, row: int, _column: str) -> 
 
 def _draw_case(result: Result, case: pd.Series[Any]) -> None:
     encounter, row = int(case["encounter"]), int(case["row"])
-    who = state.say(f"{{one}} {case['track']}") if encounter >= 0 else "false alarm"
+    person = state.say("{one} {track}", track=str(case["track"]))
+    who = person if encounter >= 0 else "false alarm"
     st.header(f"{capitalised(case['kind'])}: {who} in {plain(case['recording'])}", anchor=False)
     versions = zip(st.columns(2, gap="small"), ("Old", "New"), result.sides, strict=True)
     for place, version, (letter, system) in versions:
