@@ -189,12 +189,21 @@ SCENARIOS: Final[Mapping[str, Scenario]] = {
     "heavy misses": Scenario("the same, misses heavy-tailed", heavy_misses),
     "heavy alarms": Scenario("the same, false alarms heavy-tailed", heavy_alarms),
     "lengths": Scenario("the same, recordings of unequal length", varying, has_lengths=True),
+    "~groups": Scenario(
+        "the same, unequal lengths, people in groups", varying, has_lengths=True, has_groups=True
+    ),
     "clustered": Scenario(
         "the same, encounters missed as a whole, no scores", clustered, has_scores=False
     ),
     "points": Scenario("two equal detectors at two thresholds", two_thresholds),
     "one detector": Scenario("one detector at two thresholds", two_thresholds, is_same=True),
     "skewed": Scenario("equal means, rare disasters against frequent trifles", skewed),
+    "~groups skewed": Scenario(
+        "rare disasters, unequal lengths, people in groups",
+        skewed,
+        has_lengths=True,
+        has_groups=True,
+    ),
     "half": Scenario("Y misses half as much", fewer_misses(1 / 2), is_null=False),
     "third": Scenario("Y misses a third less", fewer_misses(2 / 3), is_null=False),
     "fifth": Scenario("Y misses a fifth less", fewer_misses(4 / 5), is_null=False),
@@ -203,18 +212,6 @@ SCENARIOS: Final[Mapping[str, Scenario]] = {
         fewer_misses(1 / 2, two_thresholds),
         is_null=False,
     ),
-    # add new scenarios below, with names that sort last, because seeds are numbered by sorted name
-    "thresholds": Scenario("two equal detectors at two thresholds, few false alarms", few_alarms),
-    "written apart: equal": Scenario("second generator, equal systems", "equal", has_lengths=True),
-    "written apart: half": Scenario(
-        "second generator, Y misses half as much", "half", has_lengths=True, is_null=False
-    ),
-    "written apart: thresholds": Scenario(
-        "second generator, two thresholds", "thresholds", has_lengths=True
-    ),
-    "~groups": Scenario(
-        "the same, unequal lengths, people in groups", varying, has_lengths=True, has_groups=True
-    ),
     "~groups half": Scenario(
         "Y misses half as much, unequal lengths, people in groups",
         fewer_misses(1 / 2),
@@ -222,11 +219,14 @@ SCENARIOS: Final[Mapping[str, Scenario]] = {
         has_groups=True,
         is_null=False,
     ),
-    "~groups skewed": Scenario(
-        "rare disasters, unequal lengths, people in groups",
-        skewed,
-        has_lengths=True,
-        has_groups=True,
+    # new names must sort last, because seeds are numbered by sorted name
+    "thresholds": Scenario("two equal detectors at two thresholds, few false alarms", few_alarms),
+    "written apart: equal": Scenario("second generator, equal systems", "equal", has_lengths=True),
+    "written apart: half": Scenario(
+        "second generator, Y misses half as much", "half", has_lengths=True, is_null=False
+    ),
+    "written apart: thresholds": Scenario(
+        "second generator, two thresholds", "thresholds", has_lengths=True
     ),
 }
 
