@@ -62,6 +62,7 @@ ROWS_PER_CHUNK: Final = 1024
 QUALITY: Final = 85
 NOT_COMPARED: Final = "nothing is compared yet"
 NO_FRAME: Final = "there is no such recording or frame"
+NO_PERCENTILES: Final = "lo and hi: expected 0 <= lo < hi <= 100"
 PLOTLY: Final = f"/nv/plotly-{plotly.__version__}.js"
 """Address of Plotly, which draws the figures."""
 
@@ -116,10 +117,10 @@ def not_found(text: str) -> Response:
 @for_owner
 async def frame(request: Request, space: Workspace) -> Response:
     """Send the picture of a recording's row, its grey values stretched between two percentiles."""
-    lo, hi = _percentile(request, "lo", 0.0), _percentile(request, "hi", 100.0)
-    if lo is None or hi is None or lo >= hi:
-        return say(HTTPStatus.BAD_REQUEST, "lo and hi: expected 0 <= lo < hi <= 100")
-    return await _picture(request, space, space.pictures, lambda read: stretch(read, lo, hi))
+    ends = percentiles(request)
+    if ends is None:
+        return say(HTTPStatus.BAD_REQUEST, NO_PERCENTILES)
+    return await _picture(request, space, space.pictures, lambda read: stretch(read, *ends))
 
 
 @for_owner
@@ -162,7 +163,7 @@ async def boxes(request: Request, space: Workspace) -> Response:
     if (compared := space.compared) is None:
         return not_found(NOT_COMPARED)
     result, first_row = compared.result, index_in(request, "chunk") * ROWS_PER_CHUNK
-    frames = _frames_from(request, result, first_row)
+    frames = frames_from(request, result, first_row)
     if not frames:
         return not_found(NO_FRAME)
     # the result may be newer than the version in the address: show it, but don't let it be cached
@@ -189,14 +190,14 @@ async def reasons(request: Request, space: Workspace) -> Response:
     """Send how each box of a row counts and why, and its cost, with the newest settings."""
     if (compared := space.compared) is None:
         return not_found(NOT_COMPARED)
-    frames = _frames_from(request, compared.result, index_in(request, "row"))
+    frames = frames_from(request, compared.result, index_in(request, "row"))
     if not frames:
         return not_found(NO_FRAME)
     boxes = await run_in_threadpool(explain_boxes, compared.result, frames.start)
     return JSONResponse([asdict(box) for box in boxes], headers=NOT_CACHED)
 
 
-def _frames_from(request: Request, result: Result, row: int) -> range:
+def frames_from(request: Request, result: Result, row: int) -> range:
     """Return the rows of the frames table from a row of the recording to its end, maybe none."""
     recording, first = index_in(request, "recording"), result.dataset.frame_columns.first
     if recording >= len(first) - 1:
@@ -267,10 +268,10 @@ def address(space: Workspace) -> str:
     return f"{base_path()}/nv/{space.token}"
 
 
-def _percentile(request: Request, name: str, default: float) -> float | None:
-    """Return a query parameter between 0 and 100, or None for anything else."""
-    value = _number(request, name, default)
-    return value if value is not None and 0 <= value <= 100 else None
+def percentiles(request: Request) -> tuple[float, float] | None:
+    """Return the percentiles between which greys are stretched, or None if they are malformed."""
+    lo, hi = _number(request, "lo", 0.0), _number(request, "hi", 100.0)
+    return None if lo is None or hi is None or not 0 <= lo < hi <= 100 else (lo, hi)
 
 
 def _number(request: Request, name: str, default: float) -> float | None:

@@ -285,6 +285,15 @@ URGENT_ENCOUNTER: Entry[tuple[int, int] | None] = Entry("time_left_open", None)
 """Encounter and frame row that were clicked."""
 HTML_DATE = Entry("html_date", "")
 
+# Review
+
+REVIEW_CASE: Entry[str | None] = Entry("review_case", None)
+"""Case that was decided on or opened last."""
+REVIEW_OPENS = Entry("review_opens", False)
+"""True if the Timeline is to show it."""
+REVIEW_HEARD: Entry[dict[str, Any] | None] = Entry("review_heard", None)
+"""Browser's gallery, and the number of its last message that was applied."""
+
 # Driver, detectors, ratings
 
 DRIVER_REGION: Entry[DriverRegion | None] = Entry("driver_region", None)

@@ -8,6 +8,7 @@ from ui.subjects.detectors import DetectorsPages
 from ui.subjects.driver import DriverPages
 from ui.subjects.ratings import RatingsPages
 from ui.subjects.releases import ReleasesPages
+from ui.subjects.review import ReviewPages
 from ui.subjects.time_left import TimeLeftPages
 
 SUBJECTS: Final[tuple[SubjectPages, ...]] = (
@@ -17,5 +18,6 @@ SUBJECTS: Final[tuple[SubjectPages, ...]] = (
     AlertsPages(),
     ReleasesPages(),
     RatingsPages(),
+    ReviewPages(),
 )
 """In the order in which their additions are listed."""

@@ -7,6 +7,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal, NamedTuple
 
+import cv2
 import numpy as np
 import streamlit as st
 
@@ -16,7 +17,7 @@ from nvcore.metrics.cost_map import CostMap, map_cost
 from nvcore.metrics.proximity.borrowing import weighing_truth
 from nvcore.pictures.base import Picture, PictureReader
 from nvcore.pictures.mapped import MappedPictures
-from nvcore.pictures.stretch import STRETCH
+from nvcore.pictures.stretch import STRETCH, jpeg
 from nvcore.settings.stages import COST
 from ui.session import state, store
 from ui.subject import all_sights
@@ -240,14 +241,22 @@ def part_of_frame(
     annotated = annotate(
         result, pictures, picture, row, lo=lo, hi=hi, layers=layers, labels=labels, caption=False
     )
-    if xywh is None:
-        return annotated
+    return annotated if xywh is None else cut_scaled(result, recording, annotated, xywh, aspect)
+
+
+def cut_scaled(
+    result: Result, recording: int, drawn: np.ndarray, xywh: np.ndarray, aspect: float = ASPECT
+) -> np.ndarray:
+    """Return the part around a box (px of the recording) of a frame drawn at any size."""
     frames = result.dataset.frame_columns
-    scale = (
-        annotated.shape[1] / frames.width[recording],
-        annotated.shape[0] / frames.height[recording],
-    )
-    return np.ascontiguousarray(cut_out(annotated, xywh * np.tile(scale, 2), aspect))
+    scale = (drawn.shape[1] / frames.width[recording], drawn.shape[0] / frames.height[recording])
+    return np.ascontiguousarray(cut_out(drawn, xywh * np.tile(scale, 2), aspect))
+
+
+def small_jpeg(part: np.ndarray, most_px: int) -> bytes:
+    """Encode a drawing as JPEG, at most so many pixels wide."""
+    scale = min(most_px / part.shape[1], 1.0)
+    return jpeg(cv2.resize(part, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA))
 
 
 def cut_out(picture: np.ndarray, xywh: np.ndarray, aspect: float = ASPECT) -> np.ndarray:

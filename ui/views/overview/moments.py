@@ -6,13 +6,12 @@ from collections.abc import Hashable, Mapping
 from functools import partial
 from typing import Any, Final
 
-import cv2
 import numpy as np
 import pandas as pd
 import streamlit as st
 
 from nvcore.comparison.compare import Result
-from nvcore.pictures import jpeg, picture_address
+from nvcore.pictures import picture_address
 from nvcore.tables.moments import encounter_box, worst_moments
 from nvcore.tables.windows import windows_table, worst_windows_note
 from ui.session import state, store
@@ -185,9 +184,7 @@ def named_box(result: Result, moment: Mapping[Hashable, Any]) -> np.ndarray | No
 
 def _draw(result: Result, row: int, xywh: np.ndarray | None) -> bytes:
     part = drawing.part_of_frame(result, row, xywh, labels=False)
-    scale = min(THUMBNAIL_PX / part.shape[1], 1.0)
-    small = cv2.resize(part, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    return jpeg(small)
+    return drawing.small_jpeg(part, THUMBNAIL_PX)
 
 
 def _none(kind: str, low: float) -> str:

@@ -1,0 +1,27 @@
+"""The Review page: a gallery of cases, decisions, projects."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from nvcore.settings.stages import ENCOUNTERS, MATCH, SEVERITY
+from ui import subject
+
+
+class ReviewPages(subject.SubjectPages):
+    pages = (
+        subject.Page(
+            "review",
+            "Review",
+            "Compare",
+            after="encounters",
+            shown=(MATCH, ENCOUNTERS, SEVERITY),
+            asks="Is each miss a real one?",
+        ),
+    )
+    documents = (subject.Document("review", "Review", after="report"),)
+
+    def routes(self) -> Sequence[subject.Place]:
+        from ui.subjects.review.crops import ROUTES
+
+        return ROUTES

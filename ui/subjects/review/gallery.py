@@ -1,0 +1,245 @@
+"""Review page: the cases as crops, with filters, order and keys that decide."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import streamlit as st
+
+from nvcore.common.errors import NvcoreError
+from nvcore.common.wording import listed, number
+from nvcore.comparison.compare import Result
+from nvcore.subjects.review.cases import CaseKind, CaseList, find_cases
+from nvcore.subjects.review.decisions import Decision, decided, latest
+from ui.session import state, store
+from ui.session.results import cached_findings, comparison_key
+from ui.session.routes import address
+from ui.shell.navigate import open_frame
+from ui.subjects.review import kept
+from ui.subjects.review.crops import version_of
+from ui.widgets import drawing
+from ui.widgets.choices import choose_first, choose_side_by_side
+from ui.widgets.script import read_script
+
+FOLDER: Final = Path(__file__).parent
+KEY: Final = "review_gallery"
+MOST: Final = 120
+"""Number of cases shown at a time."""
+PLAYED: Final = 9
+"""Frames of a case, within a second of the one to look at, that the mouse plays."""
+AROUND: Final = 2
+"""Frames played before and after the frame of a case that has no other."""
+DECIDED_BY: Final = {
+    "1": Decision.REAL_MISS,
+    "2": Decision.FALSE_ALARM,
+    "3": Decision.WRONG_TRUTH,
+    "4": Decision.IRRELEVANT,
+    "5": Decision.ASK,
+    "0": Decision.OPEN,
+}
+"""Decisions by key."""
+SYSTEMS: Final = {"": "all", "x": "X", "y": "Y", "xy": "both"}
+STATES: Final = {"": "all", "open": "open", "done": "done"}
+ORDERS: Final = {"severity": "severity", "time": "recording and time"}
+_COMPONENT = st.components.v2.component(
+    "nvcore_review",
+    css=(FOLDER / "gallery.css").read_text(encoding="utf-8"),
+    js=read_script(FOLDER / "gallery.js"),
+)
+
+
+def cases_of(result: Result) -> CaseList:
+    """Return the cases of the open comparison."""
+
+    def make() -> CaseList:
+        findings = cached_findings(state.cached, result.dataset, result.params, *result.names)
+        return find_cases(result, findings)
+
+    cases: CaseList = state.cached("review_cases", comparison_key(result), make)
+    return cases
+
+
+def draw(result: Result, cases: CaseList, decisions: pd.DataFrame, *, seen: int = 0) -> None:
+    """Draw filters and order, and the cases that pass.
+
+    Parameters
+    ----------
+    seen
+        Number of the last decision in `decisions`.
+    """
+    if not len(cases):
+        st.info("There is no case: nobody is missed, and there is no false alarm.")
+        return
+    table = decided(cases, decisions)
+    shown = _choose(table)
+    first = choose_first("Cases", len(shown), MOST, "review_first")
+    mine, n_done = kept.own(decisions), int(table["is_done"].sum())
+    others = _others(decisions)
+    about = state.cached("review_crops", comparison_key(result), lambda: _crops(result, cases))
+    rows = shown.iloc[first : first + MOST]
+    theme, lo_hi = state.theme(), drawing.stretch()
+    space = state.workspace()
+    if rows.empty:
+        st.info("No case passes the filters.")
+    _COMPONENT(
+        key=KEY,
+        data={
+            "url": f"{address(space)}/crop",
+            "query": f"lo={lo_hi[0]:g}&hi={lo_hi[1]:g}&v={version_of(space)}",
+            "styles": {
+                letter: {
+                    "colour": theme.style(letter).colour(theme.shade),
+                    "line": theme.style(letter).css,
+                }
+                for letter in "xy"
+            },
+            "decisions": [
+                {"key": key, "value": of.value, "words": of.value or "take back"}
+                for key, of in DECIDED_BY.items()
+            ],
+            "cases": [
+                {
+                    **about[i],
+                    "decision": row["decision"],
+                    "isDone": row["is_done"],
+                    "mine": mine["decision"].get(row["case"], ""),
+                    "note": mine["note"].get(row["case"], ""),
+                    "others": others.get(row["case"], ""),
+                }
+                for i, row in zip(rows.index.tolist(), rows.to_dict("records"), strict=True)
+            ],
+            "counts": {"done": n_done, "n": len(table)},
+            "selected": store.REVIEW_CASE.get(),
+            "heard": store.REVIEW_HEARD.get(),
+            "seen": seen,
+            "canUndo": kept.can_undo(),
+        },
+        on_told_change=lambda: _hear(cases),
+        on_opened_change=_ask_to_open,
+    )
+    if store.REVIEW_OPENS.pop():
+        opened = [of for of in about if of["id"] == store.REVIEW_CASE.get()]
+        for of in opened:
+            open_frame(of["recording"], of["rows"][of["at"]])
+
+
+def _choose(table: pd.DataFrame) -> pd.DataFrame:
+    """Draw filters and order, and return the cases that pass, in this order."""
+    counts = table["kind"].value_counts()
+    kinds = {"": f"all ({len(table)})"} | {
+        kind.value: f"{kind.value} ({counts[kind.value]})"
+        for kind in CaseKind
+        if kind.value in counts
+    }
+    if store.widget("review_kind").get() not in kinds:
+        store.widget("review_kind").set("")
+    with st.container(horizontal=True, vertical_alignment="bottom", key="review_filters"):
+        kind = choose_side_by_side("Kind", kinds, "review_kind")
+        system = choose_side_by_side("By", SYSTEMS, "review_system", default="")
+        decision = choose_side_by_side("Decision", STATES, "review_state", default="")
+        order = choose_side_by_side("Order", ORDERS, "review_order", default="severity")
+    if kind:
+        table = table[table["kind"] == kind]
+    if system:
+        table = table[table["systems"] == system]
+    if decision:
+        table = table[table["is_done"] == (decision == "done")]
+    if order == "time":
+        return table.sort_values(["recording", "frame"], kind="stable")
+    return table
+
+
+def _others(decisions: pd.DataFrame) -> dict[str, str]:
+    """Return what other reviewers decided on each case, in words."""
+    own = kept.reviewer()
+    told: dict[str, list[str]] = {}
+    for row in latest(decisions[decisions["reviewer"] != own]).to_dict("records"):
+        text = f"{row['reviewer'] or 'somebody'}: {row['decision']}"
+        told.setdefault(row["case"], []).append(f"{text} – {row['note']}" if row["note"] else text)
+    return {case: "; ".join(texts) for case, texts in told.items()}
+
+
+def _crops(result: Result, cases: CaseList) -> list[dict[str, Any]]:
+    """Return text and crops of each case, as the browser gets them."""
+    boxes, frames = result.dataset.boxes, result.dataset.frame_columns
+    frame_index = boxes["frame_index"].to_numpy()
+    xywh = boxes[["x", "y", "w", "h"]].to_numpy(np.float64).round(1)
+    crops = []
+    # a loop over cases, whose numbers of boxes differ
+    for case, own in zip(cases.table.to_dict("records"), cases.boxes, strict=True):
+        at = int(np.flatnonzero(frames.frame[frame_index[own]] == case["frame"])[0])
+        here = int(frame_index[own[at]])
+        recording = int(frames.recording[here])
+        first, end = (int(frames.first[recording + i]) for i in (0, 1))
+        near = np.flatnonzero(np.abs(frame_index[own] - here) <= frames.fps[recording])
+        if len(near) > 1:
+            spread = np.linspace(near[0], near[-1], min(PLAYED, len(near))).round().astype(int)
+            chosen = own[np.union1d(spread, [at])]
+            rows, sides = frame_index[chosen], xywh[chosen]
+        else:
+            rows = np.arange(max(first, here - AROUND), min(end, here + AROUND + 1))
+            sides = np.repeat(xywh[own[[at]]], len(rows), axis=0)
+        crops.append(
+            {
+                "id": case["case"],
+                "who": case["systems"],
+                **_texts(case),
+                "recording": recording,
+                "rows": (rows - first).tolist(),
+                "boxes": sides.tolist(),
+                "at": rows.tolist().index(here),
+            }
+        )
+    return crops
+
+
+def _texts(case: Mapping[Hashable, Any]) -> dict[str, str]:
+    """Return the text below a case's crop, and the one for screen readers."""
+    letters = [*case["systems"].upper()]
+    seconds = "" if np.isnan(case["severity_s"]) else f"{number(case['severity_s'], '.2f')} s"
+    kind = CaseKind(case["kind"])
+    by = {CaseKind.MISS: " by ", CaseKind.FALSE_ALARM: " of "}.get(kind, "") + listed(letters)
+    place = case["recording"], f"frame {case['frame']}"
+    told = (f"{kind.value}{by}", case["finding"], seconds, *place)
+    short = " ".join(filter(None, [*letters, seconds, case["finding"]]))
+    return {
+        "text": f"{short}, alarm" if kind is CaseKind.FALSE_ALARM else short,
+        "about": ", ".join(filter(None, told)),
+    }
+
+
+def _hear(cases: CaseList) -> None:
+    """Apply the browser's messages that are new, unless they are malformed."""
+    told = store.sent(KEY, "told")
+    messages = told.get("messages") if isinstance(told, Mapping) else None
+    if not isinstance(messages, list) or not isinstance(told["client"], str):
+        return
+    heard, known = store.REVIEW_HEARD.get(), set(cases.table["case"])
+    last = heard["n"] if heard and heard["client"] == told["client"] else 0
+    for message in messages:
+        if not isinstance(message, Mapping) or type(message.get("n")) is not int:
+            return
+        if message["n"] <= last:
+            continue
+        last = message["n"]
+        store.REVIEW_HEARD.set({"client": told["client"], "n": last})
+        if message.get("kind") == "undo":
+            kept.undo()
+        elif message.get("case") in known and message.get("decision") in [*Decision]:
+            store.REVIEW_CASE.set(message["case"])
+            try:
+                kept.decide(message["case"], message["decision"], str(message.get("note", "")))
+            except NvcoreError:  # too long a note, which the page does not send
+                continue
+
+
+def _ask_to_open() -> None:
+    """Open the case in the next run, as callbacks cannot open pages."""
+    case = store.sent(KEY, "opened", "case")
+    if isinstance(case, str):
+        store.REVIEW_CASE.set(case)
+        store.REVIEW_OPENS.set(True)
