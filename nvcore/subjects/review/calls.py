@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import glob
 import os
 import tempfile
+from collections.abc import Callable, Iterable
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import click
-import numpy as np
 import pandas as pd
 
 import nvcore
@@ -21,7 +22,7 @@ from nvcore.common.arguments import PathLike
 from nvcore.common.errors import InputError
 from nvcore.common.wording import did_you_mean
 from nvcore.comparison.compare import Result
-from nvcore.evidence.measures import primary_of
+from nvcore.inputs.session import Session
 from nvcore.inputs.session.toml import read_session, write_session
 from nvcore.subjects.review.cases import CaseList, find_cases
 from nvcore.subjects.review.decisions import (
@@ -30,7 +31,7 @@ from nvcore.subjects.review.decisions import (
     make_decision,
     reviewed_measures,
 )
-from nvcore.subjects.review.robust import PER_ENCOUNTER, Robustness, find_robustness
+from nvcore.subjects.review.robust import Robustness, primary_robustness
 from nvcore.subjects.review.store import Project, ProjectStore
 
 VARIABLE: Final = "NVCORE_PROJECTS"
@@ -42,6 +43,37 @@ def open_store(path: PathLike | None = None) -> ProjectStore:
     """Open the file of projects: ``$NVCORE_PROJECTS``, or in the user's application folder."""
     usual = os.environ.get(VARIABLE) or Path(click.get_app_dir("nvcore")) / FILE_NAME
     return ProjectStore(Path(path or usual))
+
+
+def session_of(
+    store: ProjectStore, project: Project, *, read: Callable[[Path], Session] = read_session
+) -> Session:
+    """Return the session of a project, with the paths of its inputs as they are now.
+
+    Parameters
+    ----------
+    read
+        Reads the session file.
+
+    Raises
+    ------
+    InputError
+        If inputs have changed since they were kept.
+    """
+    changed = store.changed_inputs(project.token)
+    if changed:
+        raise InputError(f"{project.name}: changed since it was kept: {changed[0]}")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "session.toml"
+        path.write_text(project.session, encoding="utf-8")
+        session = read(path)
+    root, tree = project.root, store.tree(project.token)
+
+    def moved(path: str) -> str:
+        is_copy = bool(root) and Path(path).is_relative_to(root)
+        return str(tree / Path(path).relative_to(root)) if is_copy else path
+
+    return session.with_paths(moved, folder=tree)
 
 
 class OpenProject:
@@ -66,20 +98,7 @@ class OpenProject:
         InputError
             If inputs have changed since they were kept.
         """
-        changed = self._store.changed_inputs(self.project.token)
-        if changed:
-            raise InputError(f"{self.project.name}: changed since it was kept: {changed[0]}")
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "session.toml"
-            path.write_text(self.project.session, encoding="utf-8")
-            session = read_session(path)
-        root, tree = self.project.root, self._store.tree(self.project.token)
-
-        def moved(path: str) -> str:
-            is_copy = bool(root) and Path(path).is_relative_to(root)
-            return str(tree / Path(path).relative_to(root)) if is_copy else path
-
-        return compare(load(session.with_paths(moved, folder=tree)))
+        return compare(load(session_of(self._store, self.project)))
 
     @cached_property
     def _cases(self) -> CaseList:
@@ -110,10 +129,7 @@ class OpenProject:
 
         None if that is no mean over encounters.
         """
-        key = primary_of(self._result.dataset).key
-        is_open = ~self.cases["is_done"].to_numpy(bool)
-        measure = next((of for of in PER_ENCOUNTER if of.startswith(key)), key)
-        return find_robustness(self._result, self._cases, np.asarray(is_open), measure)
+        return primary_robustness(self._result, self._cases, self.decisions)
 
     def open_as_cvat(self) -> bytes:
         """Return the frames of all open cases, for annotators (CVAT for images XML 1.1)."""
@@ -169,13 +185,93 @@ def open_project(
         return OpenProject(file, existing)
     if existing is not None:
         raise InputError(f"there is a project {name!r} already")
-    return OpenProject(file, keep_session(file, name, Path(session)))
+    read = read_session(Path(session))
+    return OpenProject(file, keep_session(file, name, read, load(read).fingerprint))
 
 
-def keep_session(file: ProjectStore, name: str, path: Path, **options: Any) -> Project:
-    """Keep a session file as a new project. Its inputs stay where they are."""
-    session = read_session(path)
-    dataset = load(session)
-    text = write_session(session, version=nvcore.__version__, fingerprint=dataset.fingerprint)
-    inputs = [session.folder / one for one in session.paths()]
-    return file.create(name, text, inputs=[one for one in inputs if one.is_file()], **options)
+def keep_session(
+    file: ProjectStore,
+    name: str,
+    session: Session,
+    fingerprint: str,
+    *,
+    root: Path | None = None,
+    owner: str = "",
+) -> Project:
+    """Keep a session as a new project.
+
+    Parameters
+    ----------
+    fingerprint
+        Fingerprint of its data.
+    root
+        Folder of which files are copied, such as uploads. Others stay where they are.
+    owner
+        First member.
+
+    Raises
+    ------
+    InputError
+        If the name is empty, or the copies exceed the quota.
+    """
+    text = write_session(session, version=nvcore.__version__, fingerprint=fingerprint)
+    inputs: list[Path] = []
+    copied: list[Path] = []
+    for one in dict.fromkeys(session.paths()):
+        path = session.folder / one
+        found = [path] if path.exists() else map(Path, sorted(glob.glob(str(path))))  # noqa: PTH207  # absolute
+        for each in found:
+            is_copied = root is not None and each.is_relative_to(root)
+            inside = sorted(each.rglob("*")) if is_copied and each.is_dir() else [each]
+            (copied if is_copied else inputs).extend(of for of in inside if of.is_file())
+    return file.create(
+        *(name, text),
+        owner=owner,
+        inputs=dict.fromkeys(inputs),
+        copied=dict.fromkeys(copied),
+        root=root,
+    )
+
+
+def import_shared(
+    file: ProjectStore,
+    path: Path,
+    roots: Iterable[Path],
+    *,
+    owner: str = "",
+    read: Callable[[Path], Session] = read_session,
+) -> Project:
+    """Add the project of a file that a stranger may have made.
+
+    Parameters
+    ----------
+    roots
+        Folders in which it may name files that it does not bring.
+    read
+        Reads the session file.
+
+    Raises
+    ------
+    InputError
+        If it names other files, or is no project.
+    """
+    from nvcore.pictures.open import is_below  # needs an extra
+
+    project = file.import_(path, owner=owner)
+    tree = file.tree(project.token)
+    allowed = [tree, *roots]
+
+    def check(path: Path) -> None:
+        if not any(is_below(path, root) for root in allowed):
+            raise InputError("it names files that it does not bring")
+
+    try:
+        for one in file.inputs(project.token):
+            check(tree / one.path)
+        session = session_of(file, project, read=read)
+        for text in session.paths():
+            check(session.folder / text)
+    except BaseException:
+        file.delete(project.token)
+        raise
+    return project

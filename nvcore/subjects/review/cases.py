@@ -24,6 +24,11 @@ COLUMNS: Final = (
 )
 
 
+MOST_PLAYED: Final = 9
+PLAYED_AROUND: Final = 2
+"""Frames before and after that of a case which has no other."""
+
+
 class CaseKind(StrEnum):
     """Kind of case."""
 
@@ -53,6 +58,53 @@ class CaseList:
 
     def __len__(self) -> int:
         return len(self.table)
+
+
+@dataclass(frozen=True)
+class Shot:
+    """Frames of a recording around the one to look at of a case.
+
+    Attributes
+    ----------
+    rows
+        Rows of the frames within the recording.
+    boxes
+        Box of the case in each of them: x, y, w, h, px.
+    at
+        Position of the frame to look at.
+    """
+
+    recording: int
+    rows: list[int]
+    boxes: list[list[float]]
+    at: int
+
+
+def shots(dataset: Dataset, cases: CaseList) -> list[Shot]:
+    """Return up to `MOST_PLAYED` frames of each case, within a second of the one to look at.
+
+    A case of a single frame has those around it as well, at the same place.
+    """
+    frames, frame_index = dataset.frame_columns, dataset.boxes["frame_index"].to_numpy()
+    xywh = dataset.boxes[["x", "y", "w", "h"]].to_numpy(np.float64).round(1)
+    found = []
+    # a loop over cases, whose numbers of boxes differ
+    for number, own in zip(cases.table["frame"].tolist(), cases.boxes, strict=True):
+        at = int(np.flatnonzero(frames.frame[frame_index[own]] == number)[0])
+        here = int(frame_index[own[at]])
+        recording = int(frames.recording[here])
+        first, end = (int(frames.first[recording + i]) for i in (0, 1))
+        near = np.flatnonzero(np.abs(frame_index[own] - here) <= frames.fps[recording])
+        if len(near) > 1:
+            spread = np.linspace(near[0], near[-1], min(MOST_PLAYED, len(near))).round()
+            chosen = own[np.union1d(spread.astype(np.int64), [at])]
+            rows, boxes = frame_index[chosen], xywh[chosen]
+        else:
+            rows = np.arange(max(first, here - PLAYED_AROUND), min(end, here + PLAYED_AROUND + 1))
+            boxes = np.repeat(xywh[own[[at]]], len(rows), axis=0)
+        shown = int(np.searchsorted(rows, here))
+        found.append(Shot(recording, (rows - first).tolist(), boxes.tolist(), shown))
+    return found
 
 
 def find_cases(result: Result, findings: Sequence[Finding] = ()) -> CaseList:

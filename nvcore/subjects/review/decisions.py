@@ -22,7 +22,7 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.schema import NO_TRACK
 from nvcore.subjects.review.cases import CaseKind, CaseList
 from nvcore.tables.inputs import entries_as_cvat
-from nvcore.tables.scorecard import score_rows
+from nvcore.tables.scorecard import ScoreRow, score_rows
 
 COLUMNS: Final = ("case", "reviewer", "decision", "note", "is_done", "at")
 MOST_NOTE: Final = 2000
@@ -140,24 +140,29 @@ def compare_without(result: Result, cases: CaseList, chosen: Iterable[int]) -> R
     return compare(dataset, result.params, x=result.x.name, y=result.y.name)
 
 
-def reviewed_measures(result: Result, cases: CaseList, decisions: pd.DataFrame) -> pd.DataFrame:
-    """Tabulate every measure before and after the review.
+def reviewed_rows(
+    result: Result, cases: CaseList, decisions: pd.DataFrame
+) -> list[tuple[ScoreRow, ScoreRow]]:
+    """Return each row of the scorecard before and after the review.
 
     The review leaves out the cases that all their reviewers call wrong truth or irrelevant.
-
-    Returns
-    -------
-    One row per measure of the scorecard: measure, x, y, x_reviewed, y_reviewed.
     """
     states = decided(cases, decisions)["decision"]
     after = compare_without(result, cases, np.flatnonzero(states.isin(LEAVES_OUT)))
-    rows = [score_rows(of, MeasureTable.SCORECARD) for of in (result, after)]
-    new = {row.key: row for row in rows[1]}
-    table = [
-        (row.key, row.label, row.x, row.y, new[row.key].x, new[row.key].y)
-        for row in rows[0]
-        if row.key in new
-    ]
+    new = {row.key: row for row in score_rows(after, MeasureTable.SCORECARD)}
+    rows = score_rows(result, MeasureTable.SCORECARD)
+    return [(row, new[row.key]) for row in rows if row.key in new]
+
+
+def reviewed_measures(result: Result, cases: CaseList, decisions: pd.DataFrame) -> pd.DataFrame:
+    """Tabulate every measure before and after the review (see `reviewed_rows`).
+
+    Returns
+    -------
+    One row per measure of the scorecard: measure, label, x, y, x_reviewed, y_reviewed.
+    """
+    rows = reviewed_rows(result, cases, decisions)
+    table = [(old.key, old.label, old.x, old.y, new.x, new.y) for old, new in rows]
     names = ["measure", "label", "x", "y", "x_reviewed", "y_reviewed"]
     return pd.DataFrame(table, columns=names)
 
@@ -187,40 +192,61 @@ def read_decisions(path: Path) -> pd.DataFrame:
         With the line, if the file lacks a column or holds something else.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-        if path.suffix == ".json":
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path.name}: no decisions can be read ({error})") from error
+    return parse_decisions(content, path.name)
+
+
+def parse_decisions(content: bytes, name: str) -> pd.DataFrame:
+    """Read decisions from the content of a file with this name, as `read_decisions` does."""
+    try:
+        text = content.decode("utf-8-sig")
+        if name.endswith(".json"):
             table = pd.DataFrame(json.loads(text), dtype=object)
         else:
             table = pd.read_csv(StringIO(text), dtype=str, keep_default_na=False)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path.name}: no decisions can be read ({error})") from error
-    missing = [name for name in COLUMNS if name not in table]
+        missing = [column for column in COLUMNS if column not in table]
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{name}: no decisions can be read ({error})") from error
     if missing:
-        raise InputError(f"{path.name}: no column {missing[0]}; {', '.join(COLUMNS)} are needed")
-    rows = []
+        raise InputError(f"{name}: no column {missing[0]}; {', '.join(COLUMNS)} are needed")
+    return check_decisions(table, name)
+
+
+def check_decisions(table: pd.DataFrame, name: str) -> pd.DataFrame:
+    """Return decisions of unknown origin as `make_decision` makes them.
+
+    Raises
+    ------
+    InputError
+        With the file's name and the line, if one of them is something else.
+    """
+    rows = [empty_decisions()]
     for line, row in enumerate(table[list(COLUMNS)].itertuples(index=False), start=2):
         try:
-            done = {"true": True, "false": False}[str(row.is_done).lower()]
-            time = datetime.fromisoformat(str(row.at))
-            rows.append(
-                make_decision(
-                    str(row.case),
-                    str(row.decision),
-                    reviewer=str(row.reviewer),
-                    note=str(row.note),
-                    is_done=done,
-                    at=time,
-                )
+            made = make_decision(
+                str(row.case),
+                str(row.decision),
+                reviewer=str(row.reviewer),
+                note=str(row.note),
+                is_done={"true": True, "false": False}[str(row.is_done).lower()],
+                at=datetime.fromisoformat(str(row.at)),
             )
         except (InputError, ValueError, KeyError) as error:
-            raise InputError(f"{path.name}, line {line}: {error}") from error
-    return pd.concat([empty_decisions(), *rows], ignore_index=True) if rows else empty_decisions()
+            raise InputError(f"{name}, line {line}: {error}") from error
+        rows.append(made)
+    return pd.concat(rows, ignore_index=True)
+
+
+def format_decisions(decisions: pd.DataFrame, name: str) -> str:
+    """Return decisions as CSV, or as JSON if the file's name ends so."""
+    table = decisions[list(COLUMNS)]
+    if name.endswith(".json"):
+        return json.dumps(table.to_dict("records"), indent=1, ensure_ascii=False)
+    return table.to_csv(index=False, lineterminator="\n")
 
 
 def write_decisions(decisions: pd.DataFrame, path: Path) -> None:
     """Write decisions as CSV, or as JSON if the name ends so."""
-    if path.suffix == ".json":
-        text = json.dumps(decisions.to_dict("records"), indent=1, ensure_ascii=False)
-    else:
-        text = decisions.to_csv(index=False, lineterminator="\n")
-    path.write_text(text, encoding="utf-8")
+    path.write_text(format_decisions(decisions, path.name), encoding="utf-8")

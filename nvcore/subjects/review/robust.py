@@ -6,14 +6,16 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Final, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from nvcore.comparison.compare import Result
 from nvcore.comparison.measures.table import inference_of, measure_of
 from nvcore.comparison.scoring import SystemResult
-from nvcore.evidence.measures import UnitMeasure, run_together
+from nvcore.evidence.measures import UnitMeasure, primary_of, run_together
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import WHOLE, find_units
 from nvcore.subjects.review.cases import CaseKind, CaseList
+from nvcore.subjects.review.decisions import LEAVES_OUT, decided
 
 MOST_TRIED: Final = 12
 """Number of open cases tried at each step of the search for the claim, the weightiest first."""
@@ -46,7 +48,12 @@ class Robustness(NamedTuple):
 
 
 def find_robustness(
-    result: Result, cases: CaseList, is_open: np.ndarray, measure: str
+    result: Result,
+    cases: CaseList,
+    is_open: np.ndarray,
+    measure: str,
+    *,
+    is_left_out: np.ndarray | None = None,
 ) -> Robustness | None:
     """Search the fewest open misses that would turn the sign of a difference, or its claim.
 
@@ -56,6 +63,8 @@ def find_robustness(
         Cases on which nothing is decided; bool, shape (n_cases,).
     measure
         Key of a measure.
+    is_left_out
+        Cases that the review leaves out already; bool, shape (n_cases,). None: none.
 
     Returns
     -------
@@ -65,13 +74,16 @@ def find_robustness(
     if of_encounter is None:
         return None
     x, y = (of_encounter(system) for _, system in result.sides)
-    total = float((x - y)[result.is_near].sum())
-    if not total:
-        return None
     is_miss = (cases.table["kind"] == CaseKind.MISS).to_numpy()
     encounter = cases.table["encounter"].to_numpy()
+    counts = result.is_near.copy()
+    if is_left_out is not None:
+        counts[encounter[is_left_out & is_miss]] = False
+    total = float((x - y)[counts].sum())
+    if not total:
+        return None
     candidates = np.flatnonzero(is_open & is_miss)
-    candidates = candidates[result.is_near[encounter[candidates]]]
+    candidates = candidates[counts[encounter[candidates]]]
     lead = (x - y)[encounter[candidates]] * np.sign(total)
     order = np.argsort(-lead, kind="stable")
     order = order[lead[order] > 0]
@@ -79,9 +91,22 @@ def find_robustness(
     left = abs(total) - np.cumsum(lead)
     n_sign = int(np.searchsorted(-left, -1e-12 * abs(total)))
     turns_sign = tuple(candidates[: n_sign + 1].tolist()) if n_sign < len(left) else None
-    p_without = _tester(result, measure, x, y)
+    p_without = _tester(result, measure, x, y, counts)
     turns_claim = _search_claim(candidates.tolist(), encounter, p_without)
     return Robustness(measure, turns_sign, turns_claim)
+
+
+def primary_robustness(
+    result: Result, cases: CaseList, decisions: pd.DataFrame
+) -> Robustness | None:
+    """Search the fewest open misses that would turn the primary measure after the review."""
+    key = primary_of(result.dataset).key
+    measure = next((of for of in PER_ENCOUNTER if of.startswith(key)), key)
+    states = decided(cases, decisions)
+    return find_robustness(
+        *(result, cases, ~states["is_done"].to_numpy(bool), measure),
+        is_left_out=states["decision"].isin(LEAVES_OUT).to_numpy(bool),
+    )
 
 
 def _search_claim(
@@ -101,9 +126,9 @@ def _search_claim(
 
 
 def _tester(
-    result: Result, measure: str, x: np.ndarray, y: np.ndarray
+    result: Result, measure: str, x: np.ndarray, y: np.ndarray, counts: np.ndarray
 ) -> Callable[[Collection[int]], float]:
-    """Return a function that gives p of the difference without some encounters."""
+    """Return a function that gives p of the difference without some encounters that count."""
     units = find_units(result)
     unit = units.unit_of_frame[result.encounters.first_row]
     assert inference_of(measure).per == "n_encounters"
@@ -111,7 +136,7 @@ def _tester(
     def p_without(encounters: Collection[int]) -> float:
         if units.kind not in WHOLE:
             return float("nan")
-        is_in = result.is_near.copy()
+        is_in = counts.copy()
         is_in[list(encounters)] = False
         own, count = unit[is_in], units.total(unit[is_in])
         sums_x, sums_y = (np.column_stack([units.total(own, of[is_in]), count]) for of in (x, y))

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import secrets
 import shutil
 import sqlite3
 import zipfile
+import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -23,7 +25,7 @@ import pandas as pd
 from nvcore.common.errors import InputError, NvcoreError
 from nvcore.common.output.sqlite_file import SqliteFile
 from nvcore.evidence.looks import look_key
-from nvcore.subjects.review.decisions import COLUMNS
+from nvcore.subjects.review.decisions import COLUMNS, check_decisions
 
 MIGRATIONS: Final = (
     """CREATE TABLE project (token TEXT PRIMARY KEY, name TEXT NOT NULL, session TEXT NOT NULL,
@@ -49,8 +51,17 @@ NETWORK: Final = ("nfs", "nfs4", "cifs", "smb3", "smbfs", "fuse.sshfs", "9p", "a
 QUOTA_BYTES: Final = 20 * 1024**3
 """Largest total size of all copies."""
 MOST_NAME: Final = 200
+MOST_ABOUT_BYTES: Final = 64 * 1024**2
+"""Largest size of a project's description in its file, which is read into memory."""
 BLOBS: Final = "content"
 TREES: Final = "projects"
+
+
+_NO_PROJECT: Final = (
+    *(OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError, InputError),
+    *(NotImplementedError, RuntimeError, zipfile.BadZipFile, zlib.error),
+)
+"""Exceptions that a file which is no project can raise."""
 
 
 class Project(NamedTuple):
@@ -368,9 +379,12 @@ class ProjectStore(SqliteFile):
         token = secrets.token_urlsafe(16)
         try:
             with zipfile.ZipFile(path) as archive:
+                if archive.getinfo("project.json").file_size > MOST_ABOUT_BYTES:
+                    raise ValueError("its description is too large")
                 about = json.loads(archive.read("project.json"))
-                inputs = [KeptInput(**one) for one in about["inputs"]]
-                decisions = pd.DataFrame(about["decisions"], columns=list(COLUMNS))
+                inputs = [_stated(**one) for one in about["inputs"]]
+                table = pd.DataFrame(about["decisions"], columns=list(COLUMNS))
+                decisions = check_decisions(table, "project.json")
                 copied = [one for one in inputs if one.is_copy]
                 self._check_quota(
                     sum(archive.getinfo(f"files/{one.sha256}").file_size for one in copied)
@@ -382,7 +396,7 @@ class ProjectStore(SqliteFile):
                     self._link(one.sha256, archive, target)
             name, session, root = (str(about[key]) for key in ("name", "session", "root"))
             project = self._add(token, name, session, root, owner, inputs)
-        except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+        except _NO_PROJECT as error:
             self.delete(token)
             shutil.rmtree(self.tree(token), ignore_errors=True)
             raise InputError(f"{path.name} is no project that nvcore wrote ({error})") from error
@@ -391,18 +405,23 @@ class ProjectStore(SqliteFile):
         return project
 
     def _link(self, sha256: str, source: Path | zipfile.ZipFile, target: Path) -> None:
-        """Put a file into the tree of a project, and its content beside the others if it is new."""
+        """Put a file into the tree of a project, and its content beside the others if it is new.
+
+        Who names the hash of somebody else's content must have that content, too.
+        """
         blob = self.copies / BLOBS / sha256
-        if not blob.exists():
-            partial = blob.with_name(secrets.token_hex(16))
-            if isinstance(source, Path):
-                shutil.copyfile(source, partial)
-            else:
-                with source.open(f"files/{sha256}") as packed, partial.open("wb") as copy:
-                    shutil.copyfileobj(packed, copy)
-            if _hash(partial) != sha256:
-                partial.unlink()
-                raise ValueError("an input is corrupt")
+        partial = blob.with_name(secrets.token_hex(16))
+        if isinstance(source, Path):
+            shutil.copyfile(source, partial)
+        else:
+            with source.open(f"files/{sha256}") as packed, partial.open("wb") as copy:
+                shutil.copyfileobj(packed, copy)
+        if _hash(partial) != sha256:
+            partial.unlink()
+            raise ValueError("an input is corrupt")
+        if blob.exists():
+            partial.unlink()
+        else:
             partial.replace(blob)
         target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         target.hardlink_to(blob)
@@ -440,6 +459,13 @@ def _project(row: sqlite3.Row | Sequence[Any]) -> Project:
 def _known(path: Path) -> KeptInput:
     status = path.stat()
     return KeptInput(str(path), _hash(path), status.st_size, status.st_mtime_ns, is_copy=False)
+
+
+def _stated(path: str, sha256: str, size: int, time_ns: int, *, is_copy: bool) -> KeptInput:
+    """Return an input as a file states it."""
+    if not re.fullmatch(r"[0-9a-f]{64}", sha256):
+        raise ValueError(f"{sha256!r} is no hash")
+    return KeptInput(str(path), sha256, int(size), int(time_ns), bool(is_copy))
 
 
 def _hash(path: Path) -> str:
