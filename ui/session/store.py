@@ -291,6 +291,10 @@ REVIEW_CASE: Entry[str | None] = Entry("review_case", None)
 """Case that was decided on or opened last."""
 REVIEW_OPENS = Entry("review_opens", False)
 """True if the Timeline is to show it."""
+REVIEW_DELETES: Entry[str | None] = Entry("review_deletes", None)
+"""Token of the project that the page asks about deleting."""
+REVIEW_FILE: Entry[str | None] = Entry("review_file_added", None)
+"""File whose decisions were added last."""
 REVIEW_HEARD: Entry[dict[str, Any] | None] = Entry("review_heard", None)
 """Browser's gallery, and the number of its last message that was applied."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
 
@@ -10,11 +11,10 @@ import numpy as np
 import pandas as pd
 import streamlit as st
 
-from nvcore.common.errors import NvcoreError
 from nvcore.common.wording import listed, number
 from nvcore.comparison.compare import Result
-from nvcore.subjects.review.cases import CaseKind, CaseList, find_cases
-from nvcore.subjects.review.decisions import Decision, decided, latest
+from nvcore.subjects.review.cases import CaseKind, CaseList, find_cases, shots
+from nvcore.subjects.review.decisions import MOST_NOTE, Decision, decided, latest
 from ui.session import state, store
 from ui.session.results import cached_findings, comparison_key
 from ui.session.routes import address
@@ -22,17 +22,15 @@ from ui.shell.navigate import open_frame
 from ui.subjects.review import kept
 from ui.subjects.review.crops import version_of
 from ui.widgets import drawing
+from ui.widgets.buttons import button
 from ui.widgets.choices import choose_first, choose_side_by_side
 from ui.widgets.script import read_script
+from ui.widgets.text import plain
 
 FOLDER: Final = Path(__file__).parent
 KEY: Final = "review_gallery"
 MOST: Final = 120
 """Number of cases shown at a time."""
-PLAYED: Final = 9
-"""Frames of a case, within a second of the one to look at, that the mouse plays."""
-AROUND: Final = 2
-"""Frames played before and after the frame of a case that has no other."""
 DECIDED_BY: Final = {
     "1": Decision.REAL_MISS,
     "2": Decision.FALSE_ALARM,
@@ -79,7 +77,7 @@ def draw(result: Result, cases: CaseList, decisions: pd.DataFrame, *, seen: int 
     first = choose_first("Cases", len(shown), MOST, "review_first")
     mine, n_done = kept.own(decisions), int(table["is_done"].sum())
     others = _others(decisions)
-    about = state.cached("review_crops", comparison_key(result), lambda: _crops(result, cases))
+    about = state.cached("review_shots", comparison_key(result), lambda: _described(result, cases))
     rows = shown.iloc[first : first + MOST]
     theme, lo_hi = state.theme(), drawing.stretch()
     space = state.workspace()
@@ -127,6 +125,23 @@ def draw(result: Result, cases: CaseList, decisions: pd.DataFrame, *, seen: int 
             open_frame(of["recording"], of["rows"][of["at"]])
 
 
+def draw_conflict(cases: CaseList) -> None:
+    """Draw both versions of a case on which two people decided at once, and ask which to keep."""
+    if (conflict := kept.conflict()) is None:
+        return
+    theirs, (mine,) = conflict.theirs, conflict.mine.to_dict("records")
+    (case,) = cases.table[cases.table["case"] == theirs["case"]].to_dict("records") or [{}]
+    place = f" ({case['recording']}, frame {case['frame']})" if case else ""
+    name = theirs["reviewer"] or "somebody"
+    with st.container(border=True, horizontal=True, vertical_alignment="center"):
+        st.markdown(f"**{plain(name)}** decided on this case meanwhile{plain(place)}.")
+        for who, version, is_mine in ((name, theirs, False), ("me", mine, True)):
+            label = plain(f"Keep {version['decision'] or 'open'} ({who})")
+            if button(label, key=f"review_keep_{is_mine}", help=plain(version["note"])):
+                kept.settle(is_mine=is_mine)
+                st.rerun(scope="fragment")
+
+
 def _choose(table: pd.DataFrame) -> pd.DataFrame:
     """Draw filters and order, and return the cases that pass, in this order."""
     counts = table["kind"].value_counts()
@@ -163,38 +178,13 @@ def _others(decisions: pd.DataFrame) -> dict[str, str]:
     return {case: "; ".join(texts) for case, texts in told.items()}
 
 
-def _crops(result: Result, cases: CaseList) -> list[dict[str, Any]]:
-    """Return text and crops of each case, as the browser gets them."""
-    boxes, frames = result.dataset.boxes, result.dataset.frame_columns
-    frame_index = boxes["frame_index"].to_numpy()
-    xywh = boxes[["x", "y", "w", "h"]].to_numpy(np.float64).round(1)
-    crops = []
-    # a loop over cases, whose numbers of boxes differ
-    for case, own in zip(cases.table.to_dict("records"), cases.boxes, strict=True):
-        at = int(np.flatnonzero(frames.frame[frame_index[own]] == case["frame"])[0])
-        here = int(frame_index[own[at]])
-        recording = int(frames.recording[here])
-        first, end = (int(frames.first[recording + i]) for i in (0, 1))
-        near = np.flatnonzero(np.abs(frame_index[own] - here) <= frames.fps[recording])
-        if len(near) > 1:
-            spread = np.linspace(near[0], near[-1], min(PLAYED, len(near))).round().astype(int)
-            chosen = own[np.union1d(spread, [at])]
-            rows, sides = frame_index[chosen], xywh[chosen]
-        else:
-            rows = np.arange(max(first, here - AROUND), min(end, here + AROUND + 1))
-            sides = np.repeat(xywh[own[[at]]], len(rows), axis=0)
-        crops.append(
-            {
-                "id": case["case"],
-                "who": case["systems"],
-                **_texts(case),
-                "recording": recording,
-                "rows": (rows - first).tolist(),
-                "boxes": sides.tolist(),
-                "at": rows.tolist().index(here),
-            }
-        )
-    return crops
+def _described(result: Result, cases: CaseList) -> list[dict[str, Any]]:
+    """Return texts and crops of each case, as the browser gets them."""
+    rows = cases.table.to_dict("records")
+    return [
+        {"id": case["case"], "who": case["systems"], **_texts(case), **asdict(shot)}
+        for case, shot in zip(rows, shots(result.dataset, cases), strict=True)
+    ]
 
 
 def _texts(case: Mapping[Hashable, Any]) -> dict[str, str]:
@@ -231,10 +221,11 @@ def _hear(cases: CaseList) -> None:
             kept.undo()
         elif message.get("case") in known and message.get("decision") in [*Decision]:
             store.REVIEW_CASE.set(message["case"])
-            try:
-                kept.decide(message["case"], message["decision"], str(message.get("note", "")))
-            except NvcoreError:  # too long a note, which the page does not send
-                continue
+            seen = message.get("seen")
+            note = str(message.get("note", ""))[:MOST_NOTE]
+            kept.decide(
+                message["case"], message["decision"], note, seen=seen if type(seen) is int else None
+            )
 
 
 def _ask_to_open() -> None:

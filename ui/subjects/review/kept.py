@@ -2,66 +2,192 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import pandas as pd
+import streamlit as st
 
-from nvcore.subjects.review.decisions import (
-    COLUMNS,
-    Decision,
-    empty_decisions,
-    latest,
-    make_decision,
-)
+from nvcore.common.errors import InputError
+from nvcore.subjects.review.calls import open_store
+from nvcore.subjects.review.decisions import COLUMNS, empty_decisions, latest, make_decision
+from nvcore.subjects.review.store import ConflictError, Project, ProjectStore
+from ui.access.login import login
+from ui.access.people import person_of
 from ui.session import state
 
+REVIEWER: Final = "review_reviewer"
+TOKENS: Final = "review_tokens"
+"""Tokens of the projects that this tab has opened."""
 _TAB: Final = "review_decisions"
 _UNDO: Final = "review_undo"
-REVIEWER: Final = "reviewer"
+_PROJECT: Final = "review_project"
+_READ: Final = "review_read"
+_CONFLICTS: Final = "review_conflicts"
 
 
-def _notes() -> dict[str, Any]:
+class Conflict(NamedTuple):
+    """Decision that was not stored, since somebody else decided on the case meanwhile."""
+
+    mine: pd.DataFrame
+    theirs: dict[str, Any]
+
+
+def notes() -> dict[str, Any]:
+    """Return the values that outlast a reload of the page."""
     return state.workspace().notes
 
 
+def who() -> str:
+    """Return the log-in of this session's person. Empty if there is none."""
+    settings = login()
+    person = None if settings is None else person_of(st.context.cookies, settings)
+    return "" if person is None else person.email or person.key
+
+
 def reviewer() -> str:
-    """Return the name of this tab's reviewer, as typed."""
-    name: str = _notes().get(REVIEWER, "")
-    return name
+    """Return the name of the reviewer: the log-in, else as typed."""
+    return who() or str(notes().get(REVIEWER, ""))
+
+
+def may_open(store: ProjectStore, token: str) -> bool:
+    """Whether this session's person may open a project. Without log-in, the token is enough."""
+    return login() is None or store.is_member(token, who())
+
+
+def use(token: str, n_opened: int) -> None:
+    """Keep decisions in a project, as long as the opening with this number is shown."""
+    notes()[_PROJECT] = token, n_opened
+    notes()[TOKENS] = [*dict.fromkeys([token, *notes().get(TOKENS, [])])]
+    for name in (_UNDO, _READ, _CONFLICTS):
+        notes().pop(name, None)
+
+
+def leave() -> None:
+    """Keep decisions in the tab."""
+    for name in (_PROJECT, _UNDO, _READ, _CONFLICTS):
+        notes().pop(name, None)
+
+
+def project() -> tuple[ProjectStore, Project] | None:
+    """Return the project of the open comparison, unless it was deleted."""
+    token, n_opened = notes().get(_PROJECT, ("", 0))
+    if not token or n_opened != state.workspace().n_opened:
+        return None
+    store = open_store()
+    found = store.project(token)
+    return None if found is None or not may_open(store, token) else (store, found)
+
+
+def has_news() -> bool:
+    """Read decisions that were made since the last call, and return whether there were any."""
+    if (opened := project()) is None:
+        return False
+    store, of = opened
+    known = notes().get(_READ)
+    new = store.decisions(of.token, since=seen())
+    notes()[_READ] = new if known is None else pd.concat([known, new], ignore_index=True)
+    return bool(len(new))
+
+
+def seen() -> int:
+    """Return the number of the last decision that was read of the project. 0: none."""
+    known = notes().get(_READ)
+    return 0 if known is None or known.empty else int(known["n"].iloc[-1])
 
 
 def decisions() -> pd.DataFrame:
     """Return all decisions in their order."""
-    known: pd.DataFrame = _notes().get(_TAB, empty_decisions())
-    return known
+    if project() is None:
+        known: pd.DataFrame = notes().get(_TAB, empty_decisions())
+        return known
+    has_news()
+    read: pd.DataFrame = notes()[_READ]
+    return read
 
 
-def add(made: pd.DataFrame) -> None:
-    """Append decisions."""
-    _notes()[_TAB] = pd.concat([decisions(), made[list(COLUMNS)]], ignore_index=True)
+def add(made: pd.DataFrame, *, seen: int | None = None) -> None:
+    """Append decisions.
+
+    Parameters
+    ----------
+    seen
+        Number of the last decision of a project that the reviewer has seen. None: all.
+
+    Raises
+    ------
+    ConflictError
+        If somebody else decided on one of the cases after `seen`.
+    """
+    if (opened := project()) is not None:
+        opened[0].decide(opened[1].token, made, seen=seen)
+    else:
+        notes()[_TAB] = pd.concat([decisions(), made[list(COLUMNS)]], ignore_index=True)
+
+
+def import_(made: pd.DataFrame) -> None:
+    """Append decisions of a file. With log-in, nobody's name is signed by others."""
+    own = who()
+    if own:
+        names = made["reviewer"]
+        made = made.assign(reviewer=names.where(names == own, names + f" (by {own})"))
+    add(made)
 
 
 def own(table: pd.DataFrame) -> pd.DataFrame:
     """Return this reviewer's latest decisions, indexed by case."""
-    mine = latest(table[table["reviewer"] == reviewer()])
-    return mine.set_index("case")
+    return latest(table[table["reviewer"] == reviewer()]).set_index("case")
 
 
-def decide(case: str, decision: str, note: str) -> None:
-    """Decide on a case."""
+def decide(case: str, decision: str, note: str, *, seen: int | None = None) -> None:
+    """Decide on a case. A conflict in a project waits for `settle`.
+
+    Raises
+    ------
+    InputError
+        If the note is too long.
+    """
     before = own(decisions())
     last = tuple(before.loc[case, ["decision", "note"]]) if case in before.index else ("", "")
-    add(make_decision(case, decision, reviewer=reviewer(), note=note))
-    _notes().setdefault(_UNDO, []).append((case, *last))
+    made = make_decision(case, decision, reviewer=reviewer(), note=note)
+    try:
+        add(made, seen=seen)
+    except ConflictError as error:
+        notes().setdefault(_CONFLICTS, []).append(Conflict(made, dict(error.theirs)))
+    else:
+        notes().setdefault(_UNDO, []).append((case, *last))
 
 
 def can_undo() -> bool:
     """Whether this tab has made a decision that `undo` takes back."""
-    return bool(_notes().get(_UNDO))
+    return bool(notes().get(_UNDO))
 
 
 def undo() -> None:
     """Take back this tab's last decision. The one before applies again."""
     if can_undo():
-        case, decision, note = _notes()[_UNDO].pop()
-        add(make_decision(case, Decision(decision), reviewer=reviewer(), note=note))
+        case, decision, note = notes()[_UNDO].pop()
+        add(make_decision(case, decision, reviewer=reviewer(), note=note))
+
+
+def conflict() -> Conflict | None:
+    """Return the first conflict that is not settled, or None."""
+    waiting: list[Conflict] = notes().get(_CONFLICTS, [])
+    return waiting[0] if waiting else None
+
+
+def settle(*, is_mine: bool) -> None:
+    """Store this reviewer's decision of the first conflict, or the other reviewer's as their own.
+
+    Raises
+    ------
+    InputError
+        If there is no conflict.
+    """
+    if (first := conflict()) is None:
+        raise InputError("there is no conflict any more")
+    notes()[_CONFLICTS] = notes()[_CONFLICTS][1:]
+    case, theirs = first.theirs["case"], first.theirs
+    if is_mine:
+        add(first.mine)
+    else:
+        decide(case, theirs["decision"], theirs["note"])
