@@ -181,6 +181,12 @@ IN_THE_SAMPLE: Final = (
     Jump(SALIENCY, "Saliency", "Timeline", plot("saliency_curve")),
     Jump(SALIENCY, "Saliency", "Timeline", plot("saliency_plane")),
     Jump("ui/views/data/audit/entries.py:_go", "Data", "Timeline", open_case),
+    Jump(
+        "ui/subjects/review/gallery.py:draw",
+        "Review",
+        "Timeline",
+        lambda one: one.page.get_by_role("option").first.dblclick(),
+    ),
     Jump("ui/views/timeline/listed.py:draw", "Timeline", "Data", press("listed_back")),
     Jump("ui/views/timeline/panel.py:_chosen", "Timeline", "Encounters", choose_pedestrian),
     Jump("ui/subjects/ratings/session_setup.py:_ask_alerts", "Ratings", "Alerts", ask_of_alerts),

@@ -7,6 +7,7 @@ import sqlite3
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
@@ -117,19 +118,46 @@ def test_a_project_travels_as_one_file(store: ProjectStore, tmp_path: Path) -> N
         other.import_(tmp_path / "no.zip")
 
 
-def test_a_project_that_leaves_its_folder_is_refused(store: ProjectStore, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("stated", "forged", "told"),
+    [
+        (b'"x.csv"', b'"../../../x.csv"', "leaves the project"),
+        (b'"sha256": "', b'"sha256": "../', "no hash"),
+        (b'"real miss"', b'"perfect"', "no decision"),
+    ],
+)
+def test_a_forged_project_is_refused(
+    stated: bytes, forged: bytes, told: str, store: ProjectStore, tmp_path: Path
+) -> None:
     (tmp_path / "x.csv").write_text("1")
     token = store.create("a", "", copied=[tmp_path / "x.csv"], root=tmp_path).token
+    store.decide(token, on("c1", "ann"))
     store.export(token, tmp_path / "a.zip")
-    with (
-        zipfile.ZipFile(tmp_path / "a.zip") as good,
-        zipfile.ZipFile(tmp_path / "bad.zip", "w") as bad,
-    ):
-        for name in good.namelist():
-            bad.writestr(name, good.read(name).replace(b'"x.csv"', b'"../../../x.csv"'))
-    with pytest.raises(InputError, match="leaves the project"):
-        store.import_(tmp_path / "bad.zip")
+    rewrite(tmp_path / "a.zip", lambda _, content: content.replace(stated, forged))
+    with pytest.raises(InputError, match=told):
+        store.import_(tmp_path / "a.zip")
     assert len(store.projects()) == 1
+
+
+def test_a_hash_alone_gives_nobody_a_file(store: ProjectStore, tmp_path: Path) -> None:
+    (tmp_path / "x.csv").write_text("secret")
+    token = store.create("a", "", copied=[tmp_path / "x.csv"], root=tmp_path).token
+    store.export(token, tmp_path / "a.zip")
+    rewrite(
+        tmp_path / "a.zip",
+        lambda name, content: b"unknown" if name.startswith("files/") else content,
+    )
+    with pytest.raises(InputError, match="corrupt"):
+        store.import_(tmp_path / "a.zip")
+
+
+def rewrite(path: Path, change: Callable[[str, bytes], bytes]) -> None:
+    """Change the files in a ZIP file."""
+    with zipfile.ZipFile(path) as archive:
+        content = {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, old in content.items():
+            archive.writestr(name, change(name, old))
 
 
 def test_different_looks_are_counted_once(store: ProjectStore) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from builders import at, make_dataset, result_of
 from places import ROOT
 
 from nvcore.auditing import audit
@@ -16,7 +17,7 @@ from nvcore.comparison.compare import Result, compare
 from nvcore.evidence.measures import judge
 from nvcore.inputs.load import load
 from nvcore.inputs.session.toml import read_session
-from nvcore.subjects.review.cases import CaseKind, CaseList, find_cases
+from nvcore.subjects.review.cases import CaseKind, CaseList, find_cases, shots
 from nvcore.subjects.review.decisions import (
     DISPUTED,
     compare_without,
@@ -56,6 +57,13 @@ def test_each_miss_and_each_false_alert_episode_is_a_case(result: Result, cases:
     own = result.dataset.boxes.iloc[cases.boxes[0]]
     assert (own["source"] == 0).all()
     assert cases.table["severity_s"][0] == worst.max()
+
+
+def test_without_a_case_nothing_is_decided() -> None:
+    dataset = make_dataset(truth=[at(3, 50)], x=[at(3, 50)], y=[at(3, 50)], n_frames=9)
+    none = find_cases(result_of(dataset))
+    assert decided(none, empty_decisions()).empty
+    assert decided(none, make_decision("c1", "ask")).empty
 
 
 def test_a_case_keeps_its_name_at_other_thresholds(result: Result, cases: CaseList) -> None:
@@ -148,6 +156,28 @@ def test_the_fewest_cases_that_turn_the_sign_are_found(result: Result, cases: Ca
     assert total < 0 <= leads(compare_without(result, cases, found.turns_sign)).sum()
     fewer = combinations(by_case, len(found.turns_sign) - 1)
     assert all(total - sum(chosen) < 0 for chosen in fewer)
+
+
+def test_cases_left_out_already_no_longer_count(result: Result, cases: CaseList) -> None:
+    is_left_out = np.isin(np.arange(len(cases)), [0, 1])
+    found = find_robustness(result, cases, ~is_left_out, SEVERITY, is_left_out=is_left_out)
+    assert found is not None
+    assert found.turns_sign is not None
+    without = [0, 1, *found.turns_sign]
+    assert leads(compare_without(result, cases, without[:-1])).sum() < 0
+    assert leads(compare_without(result, cases, without)).sum() >= 0
+
+
+def test_the_frames_played_of_a_case_show_its_boxes(result: Result, cases: CaseList) -> None:
+    frames, boxes = result.dataset.frame_columns, result.dataset.boxes
+    for case, own, shot in zip(
+        cases.table.to_dict("records"), cases.boxes, shots(result.dataset, cases), strict=True
+    ):
+        rows = frames.first[shot.recording] + np.array(shot.rows)
+        assert frames.frame[rows[shot.at]] == case["frame"]
+        assert shot.boxes[shot.at] == pytest.approx([case[side] for side in "xywh"], abs=0.06)
+        assert len(rows) <= 10
+        assert np.isin(rows, boxes["frame_index"].to_numpy()[own]).all()
 
 
 def test_a_claim_turns_where_p_passes_its_limit(result: Result, cases: CaseList) -> None:

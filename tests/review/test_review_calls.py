@@ -11,6 +11,8 @@ from places import ROOT
 
 import nvcore as nv
 from nvcore.common.errors import InputError
+from nvcore.inputs.session.toml import read_session
+from nvcore.subjects.review.calls import import_shared, keep_session, open_store
 
 SAMPLE = ROOT / "sample_data" / "session.toml"
 
@@ -48,6 +50,27 @@ def test_a_changed_input_is_not_compared(store: Path, tmp_path: Path) -> None:
     (tmp_path / "copy" / "nir.csv").write_text("frame,x,y,w,h\n")
     with pytest.raises(InputError, match=r"changed since it was kept.*nir\.csv"):
         _ = nv.open_project("Night").cases
+
+
+def test_a_strangers_project_names_no_file_that_it_does_not_bring(
+    store: Path, tmp_path: Path
+) -> None:
+    assert nvcore("sample", str(tmp_path / "copy")).exit_code == 0
+    file, session = open_store(), read_session(tmp_path / "copy" / "session.toml")
+    named, brought = (
+        keep_session(file, name, session, "", root=root)
+        for name, root in (("named", None), ("brought", tmp_path / "copy"))
+    )
+    for project in (named, brought):
+        file.export(project.token, tmp_path / f"{project.name}.zip")
+    (tmp_path / "copy").rename(tmp_path / "moved")
+    made = import_shared(file, tmp_path / "brought.zip", [])
+    assert nv.open_project(made.token).cases.shape[0] > 0
+    (tmp_path / "moved").rename(tmp_path / "copy")
+    with pytest.raises(InputError, match="does not bring"):
+        import_shared(file, tmp_path / "named.zip", [tmp_path / "other"])
+    assert len(file.projects()) == 3
+    assert import_shared(file, tmp_path / "named.zip", [tmp_path / "copy"]).name == "named"
 
 
 def test_the_command_line_lists_decides_and_exports(store: Path, tmp_path: Path) -> None:

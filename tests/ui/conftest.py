@@ -36,6 +36,7 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 @pytest.fixture(autouse=True)
 def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setenv("NVCORE_UPLOAD_DIR", str(tmp_path / "uploads"))
+    monkeypatch.setenv("NVCORE_PROJECTS", str(tmp_path / "projects.sqlite"))
     monkeypatch.delenv("NVCORE_LOCAL_ROOT", raising=False)
     monkeypatch.delenv("NVCORE_SESSION", raising=False)
     if SAMPLE in sample._samples:  # those that tests have opened go first

@@ -224,7 +224,8 @@ def _list(
     of_system = systems if kind is CaseKind.FALSE_ALARM else [""] * len(boxes)
     sides = np.stack([values[ends[:, 0]] for values in columns.xywh], axis=1).round(1)
     keys = zip(names, table["first_frame"], of_system, table["finding"], sides, strict=True)
-    table["case"] = [_identifier(kind, *of, *box.tolist()) for *of, box in keys]
+    names_of_cases = [_identifier(kind, *of, *box.tolist()) for *of, box in keys]
+    table["case"] = pd.Series(names_of_cases, dtype="str")
     return CaseList(table[list(COLUMNS)], tuple(columns.first_row + own for own in boxes))
 
 

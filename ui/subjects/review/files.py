@@ -39,4 +39,4 @@ def draw(decisions: pd.DataFrame) -> None:
             kept.import_(made)
             store.REVIEW_FILE.set(sent.file_id)
             st.toast(f"{count_text(len(made), 'decision')} added")
-            st.rerun(scope="fragment")
+            st.rerun()

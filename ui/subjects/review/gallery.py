@@ -139,7 +139,7 @@ def draw_conflict(cases: CaseList) -> None:
             label = plain(f"Keep {version['decision'] or 'open'} ({who})")
             if button(label, key=f"review_keep_{is_mine}", help=plain(version["note"])):
                 kept.settle(is_mine=is_mine)
-                st.rerun(scope="fragment")
+                st.rerun()
 
 
 def _choose(table: pd.DataFrame) -> pd.DataFrame:
