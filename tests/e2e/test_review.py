@@ -44,8 +44,13 @@ def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
 def log_in(person: BrowserContext, address: str, name: str) -> None:
     """Give a browser the cookie of somebody who has logged in."""
     claims = {
-        **{"iss": "https://id.example", "sub": name, "provider": "default", "origin": address},
-        **{"email": f"{name}@lab.example", "email_verified": True, "is_logged_in": True},
+        "iss": "https://id.example",
+        "sub": name,
+        "provider": "default",
+        "origin": address,
+        "email": f"{name}@lab.example",
+        "email_verified": True,
+        "is_logged_in": True,
     }
     value = create_signed_value(SECRET, USER, json.dumps(claims)).decode()
     person.clear_cookies()

@@ -210,13 +210,26 @@ def test_a_comparison_is_kept_with_its_decisions_and_opened_by_its_address(
     assert page.query_params["project"] == token
     other = checked(alone("review", project=token, recording="winter_frost", frame="53").run())
     assert cases(other)[0]["decision"] == "wrong truth"
-    assert space_of(other).opened.label == "Night"  # type: ignore[union-attr]
+    assert space_of(other).opened.label == "Night"
     assert other.session_state["place"][0] == state.shared_start().opened.whole.recordings[
         "name"
     ].tolist().index("winter_frost")
     unknown = checked(alone("review", project="guessed").run())
     assert projects.NO_PROJECT.rstrip(".") in texts(unknown)
     assert len(cases(unknown)) == 41  # the sample's
+
+
+def test_a_name_takes_what_its_tab_decided_along(own: Workspace) -> None:
+    (one,) = first_ids(own, 1)
+    told(own, message(1, one, "ask"))
+    page = checked(part(PROJECTS, space=own).run())
+    checked(page.text_input[0].set_value("Ann").run())
+    assert cases(again(own))[0]["mine"] == "ask"
+    token = kept_project(own)
+    assert open_store().decisions(token)["reviewer"].tolist() == ["Ann"]
+    visitor = checked(alone("review", project=token).run())
+    assert cases(visitor)[0]["others"] == "Ann: ask"
+    assert space_of(visitor).notes[kept.REVIEWER].startswith("guest ")
 
 
 def test_two_who_decide_at_once_are_asked_which_to_keep(own: Workspace) -> None:
@@ -300,7 +313,7 @@ def test_only_members_open_a_project_and_only_its_owner_gets_crops(
         open_store().add_member(token, "bert@lab.example")
         page = checked(alone("review", project=token).run())
         assert space_of(page).owner == key_of(cookies("bert")) != space.owner
-        assert space_of(page).opened.label == "Night"  # type: ignore[union-attr]
+        assert space_of(page).opened.label == "Night"
 
 
 def crop_address(page: AppTest, one: dict[str, Any], *, box: Sequence[float] = ()) -> str:

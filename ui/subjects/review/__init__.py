@@ -4,19 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from nvcore.settings.stages import ENCOUNTERS, MATCH, SEVERITY
 from ui import subject
 
 
 class ReviewPages(subject.SubjectPages):
     pages = (
         subject.Page(
-            "review",
-            "Review",
-            "Compare",
-            after="encounters",
-            shown=(MATCH, ENCOUNTERS, SEVERITY),
-            asks="Is each miss a real one?",
+            "review", "Review", "Compare", after="encounters", asks="Is each miss a real one?"
         ),
     )
     documents = (subject.Document("review", "Review", after="report"),)

@@ -17,6 +17,7 @@ class Gallery {
     this.pending = []; // what Python has not confirmed yet
     this.drafts = new Map(); // notes on cases without a decision
     this.items = new Map();
+    this.buttons = null;
     this.root = element("div", parent, { className: "nv-gallery" });
     this.grid = element("div", this.root, { className: "grid", role: "listbox", ariaLabel: "Cases" });
     this.panel = element("div", this.root, { className: "panel" });
@@ -52,16 +53,12 @@ class Gallery {
     if (!this.find(this.selected ?? data.selected)) {
       this.selected = this.cases[Math.min(Math.max(before ?? 0, 0), this.cases.length - 1)]?.id;
     } else this.selected ??= data.selected;
-    for (const [letter, { colour, line }] of Object.entries(data.styles)) {
+    for (const [letter, [colour, line]] of Object.entries(data.styles)) {
       this.root.style.setProperty(`--${letter}`, colour);
       this.root.style.setProperty(`--line-${letter}`, line);
     }
-    if (!this.buttons) {
-      this.buttons = data.decisions.map(({ key, value, words }) => {
-        const button = this.button(this.keys, key, words, () => this.decide(value));
-        return { button, value };
-      });
-    }
+    this.buttons ??= Object.entries(data.decisions).sort(([a], [b]) => Number(a === "0") - Number(b === "0"))
+      .map(([key, value]) => ({ value, button: this.button(this.keys, key, value || "take back", () => this.decide(value)) }));
     this.draw();
   }
 
@@ -164,9 +161,9 @@ class Gallery {
     const isNote = target === this.note;
     if (isNote && (key === "Enter" || key === "Escape")) this.items.get(this.selected)?.focus();
     else if (!isNote) {
-      const decision = this.data.decisions.find((one) => one.key === key);
+      const decision = this.data.decisions[key];
       const isOnCase = this.grid.contains(target);
-      if (decision) this.decide(decision.value);
+      if (decision !== undefined) this.decide(decision);
       else if (key === "u") this.undo.click();
       else if (isOnCase && key === "Enter") this.open();
       else if (!(isOnCase && this.step(key))) return;

@@ -31,14 +31,7 @@ FOLDER: Final = Path(__file__).parent
 KEY: Final = "review_gallery"
 MOST: Final = 120
 """Number of cases shown at a time."""
-DECIDED_BY: Final = {
-    "1": Decision.REAL_MISS,
-    "2": Decision.FALSE_ALARM,
-    "3": Decision.WRONG_TRUTH,
-    "4": Decision.IRRELEVANT,
-    "5": Decision.ASK,
-    "0": Decision.OPEN,
-}
+DECIDED_BY: Final = {str(key): of.value for key, of in enumerate([*Decision][1:], 1)} | {"0": ""}
 """Decisions by key."""
 SYSTEMS: Final = {"": "all", "x": "X", "y": "Y", "xy": "both"}
 STATES: Final = {"": "all", "open": "open", "done": "done"}
@@ -79,26 +72,19 @@ def draw(result: Result, cases: CaseList, decisions: pd.DataFrame, *, seen: int 
     others = _others(decisions)
     about = state.cached("review_shots", comparison_key(result), lambda: _described(result, cases))
     rows = shown.iloc[first : first + MOST]
-    theme, lo_hi = state.theme(), drawing.stretch()
-    space = state.workspace()
+    theme, space, (lo, hi) = state.theme(), state.workspace(), drawing.stretch()
     if rows.empty:
         st.info("No case passes the filters.")
     _COMPONENT(
         key=KEY,
         data={
             "url": f"{address(space)}/crop",
-            "query": f"lo={lo_hi[0]:g}&hi={lo_hi[1]:g}&v={version_of(space)}",
+            "query": f"lo={lo:g}&hi={hi:g}&v={version_of(space)}",
             "styles": {
-                letter: {
-                    "colour": theme.style(letter).colour(theme.shade),
-                    "line": theme.style(letter).css,
-                }
+                letter: (theme.style(letter).colour(theme.shade), theme.style(letter).css)
                 for letter in "xy"
             },
-            "decisions": [
-                {"key": key, "value": of.value, "words": of.value or "take back"}
-                for key, of in DECIDED_BY.items()
-            ],
+            "decisions": DECIDED_BY,
             "cases": [
                 {
                     **about[i],

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import secrets
+from collections.abc import Mapping
 from typing import Any, Final, NamedTuple
 
 import pandas as pd
 import streamlit as st
 
-from nvcore.common.errors import InputError
 from nvcore.subjects.review.calls import open_store
 from nvcore.subjects.review.decisions import COLUMNS, empty_decisions, latest, make_decision
 from nvcore.subjects.review.store import ConflictError, Project, ProjectStore
@@ -29,7 +30,7 @@ class Conflict(NamedTuple):
     """Decision that was not stored, since somebody else decided on the case meanwhile."""
 
     mine: pd.DataFrame
-    theirs: dict[str, Any]
+    theirs: Mapping[str, Any]
 
 
 def notes() -> dict[str, Any]:
@@ -49,6 +50,21 @@ def reviewer() -> str:
     return who() or str(notes().get(REVIEWER, ""))
 
 
+def call(name: str) -> None:
+    """Name this tab's reviewer. Decisions that are not in a project change hands."""
+    before, table = reviewer(), notes().get(_TAB)
+    notes()[REVIEWER] = name
+    if table is not None:
+        mine = table["reviewer"] == before
+        notes()[_TAB] = table.assign(reviewer=table["reviewer"].mask(mine, reviewer()))
+
+
+def call_guest() -> None:
+    """Name a reviewer without a name, so that two of them are not one."""
+    if not reviewer():
+        call(f"guest {secrets.token_hex(2)}")
+
+
 def may_open(store: ProjectStore, token: str) -> bool:
     """Whether this session's person may open a project. Without log-in, the token is enough."""
     return login() is None or store.is_member(token, who())
@@ -56,10 +72,10 @@ def may_open(store: ProjectStore, token: str) -> bool:
 
 def use(token: str, n_opened: int) -> None:
     """Keep decisions in a project, as long as the opening with this number is shown."""
+    leave()
+    call_guest()
     notes()[_PROJECT] = token, n_opened
     notes()[TOKENS] = [*dict.fromkeys([token, *notes().get(TOKENS, [])])]
-    for name in (_UNDO, _READ, _CONFLICTS):
-        notes().pop(name, None)
 
 
 def leave() -> None:
@@ -106,18 +122,7 @@ def decisions() -> pd.DataFrame:
 
 
 def add(made: pd.DataFrame, *, seen: int | None = None) -> None:
-    """Append decisions.
-
-    Parameters
-    ----------
-    seen
-        Number of the last decision of a project that the reviewer has seen. None: all.
-
-    Raises
-    ------
-    ConflictError
-        If somebody else decided on one of the cases after `seen`.
-    """
+    """Append decisions (see `nvcore.subjects.review.store.ProjectStore.decide`)."""
     if (opened := project()) is not None:
         opened[0].decide(opened[1].token, made, seen=seen)
     else:
@@ -139,20 +144,14 @@ def own(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def decide(case: str, decision: str, note: str, *, seen: int | None = None) -> None:
-    """Decide on a case. A conflict in a project waits for `settle`.
-
-    Raises
-    ------
-    InputError
-        If the note is too long.
-    """
+    """Decide on a case. A conflict in a project waits for `settle`."""
     before = own(decisions())
     last = tuple(before.loc[case, ["decision", "note"]]) if case in before.index else ("", "")
     made = make_decision(case, decision, reviewer=reviewer(), note=note)
     try:
         add(made, seen=seen)
     except ConflictError as error:
-        notes().setdefault(_CONFLICTS, []).append(Conflict(made, dict(error.theirs)))
+        notes().setdefault(_CONFLICTS, []).append(Conflict(made, error.theirs))
     else:
         notes().setdefault(_UNDO, []).append((case, *last))
 
@@ -176,18 +175,9 @@ def conflict() -> Conflict | None:
 
 
 def settle(*, is_mine: bool) -> None:
-    """Store this reviewer's decision of the first conflict, or the other reviewer's as their own.
-
-    Raises
-    ------
-    InputError
-        If there is no conflict.
-    """
-    if (first := conflict()) is None:
-        raise InputError("there is no conflict any more")
-    notes()[_CONFLICTS] = notes()[_CONFLICTS][1:]
-    case, theirs = first.theirs["case"], first.theirs
+    """Store this reviewer's decision of the first conflict, or the other one as theirs."""
+    first = notes()[_CONFLICTS].pop(0)
     if is_mine:
         add(first.mine)
     else:
-        decide(case, theirs["decision"], theirs["note"])
+        decide(*(first.theirs[name] for name in ("case", "decision", "note")))

@@ -27,18 +27,11 @@ GB: Final = 1024**3
 
 
 def follow_address() -> None:
-    """Open the project in the address, or write the open one into it.
-
-    Raises
-    ------
-    NvcoreError
-        If it cannot be opened.
-    """
+    """Open the project in the address, or write the open one into it."""
     token, opened = st.query_params.get(PROJECT), kept.project()
-    if opened is not None and token in (None, opened[1].token):
-        if token is None:
-            st.query_params[PROJECT] = opened[1].token
-    elif token is not None:
+    if opened is not None and token is None:
+        st.query_params[PROJECT] = opened[1].token
+    elif token is not None and (opened is None or opened[1].token != token):
         open_(token)
 
 
@@ -72,8 +65,10 @@ def draw() -> None:
     """Draw the open project, the form that keeps a comparison, and this person's projects."""
     file, opened = open_store(), kept.project()
     if not kept.who():
-        name = st.text_input("Your name", kept.reviewer(), key="review_name", max_chars=100)
-        kept.notes()[kept.REVIEWER] = name.strip()
+        name = st.text_input("Your name", kept.reviewer(), max_chars=100).strip()
+        if name != kept.reviewer():
+            kept.call(name)
+            st.rerun()
     if opened is not None:
         _draw_address(*opened)
     with errors_shown(), st.form("review_keep", border=False):
@@ -152,6 +147,7 @@ def _exported(file: ProjectStore, token: str) -> bytes:
 
 def _keep(file: ProjectStore, name: str) -> None:
     """Keep the open comparison with its decisions. Uploads are copied, other files stay."""
+    kept.call_guest()
     space, before, opened = state.workspace(), kept.decisions(), kept.project()
     root = space.folder if opened is None else file.tree(opened[1].token)
     fingerprint = state.opened().dataset.fingerprint
