@@ -62,7 +62,7 @@ def session_of(
     """
     changed = store.changed_inputs(project.token)
     if changed:
-        raise InputError(f"{project.name}: changed since it was kept: {changed[0]}")
+        raise InputError(f"{project.name}: changed since it was kept: {Path(changed[0]).name}")
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "session.toml"
         path.write_text(project.session, encoding="utf-8")

@@ -294,6 +294,21 @@ def test_uploads_are_copied(own: Workspace, tmp_path: Path, monkeypatch: Any) ->
     assert [one["who"] for one in cases(again)] == ["x"]
 
 
+def test_a_project_with_another_input_is_refused_and_the_page_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write(tmp_path, {"one": "", "two": found(300)}, truth=rows(300))
+    begin_with(path, monkeypatch)
+    token = kept_project(space_of(checked(part(PROJECTS).run())))
+    assert not any(of.is_copy for of in open_store().inputs(token))
+    (tmp_path / "one.csv").write_text((tmp_path / "two.csv").read_text())
+    page = checked(alone("review", project=token, alpha="0.5").run())
+    assert "changed since it was kept: one.csv" in texts(page)
+    assert str(tmp_path) not in texts(page)
+    assert [one["who"] for one in cases(page)] == ["x"]
+    assert page.session_state["params"].alpha == 0.5
+
+
 def test_only_members_open_a_project_and_only_its_owner_gets_crops(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -8,7 +8,8 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.common.errors import InputError, NvcoreError
+from nvcore.common.errors import InputError
+from nvcore.dataset import Dataset
 from nvcore.subjects.review.calls import import_shared, keep_session, open_store, session_of
 from nvcore.subjects.review.store import MOST_NAME, QUOTA_BYTES, Project, ProjectStore
 from ui.access.login import login
@@ -49,16 +50,15 @@ def open_(token: str) -> None:
         raise InputError(NO_PROJECT)
     session = session_of(file, project, read=session_confined)
     query = store.FIRST_QUERY.get()
-    kept.use(token, space.n_opened + 1)
-    try:
+
+    def use(_: Dataset) -> None:
+        kept.use(token, space.n_opened + 1)
         # the rest of the address is about this comparison: the next run follows it again
         st.query_params.from_dict(query if query.get(PROJECT) == token else {PROJECT: token})
         for entry in (store.SEEN_OPENING, store.PLACE, store.BAD_LINK):
             entry.pop()
-        state.open_session(session, label=project.name)
-    except NvcoreError:
-        kept.leave()
-        raise
+
+    state.open_session(session, label=project.name, check=use)
 
 
 def draw() -> None:
