@@ -17,6 +17,7 @@ from places import SAMPLE
 from streamlit.testing.v1 import AppTest
 
 import nvcore as nv
+from nvcore.common.errors import StoreError
 from nvcore.subjects.review.calls import open_store
 from nvcore.subjects.review.decisions import make_decision
 from pages import (
@@ -152,12 +153,27 @@ def test_decisions_are_kept_undone_and_outlast_a_reload(own: Workspace) -> None:
     assert [of["mine"] for of in cases(again(own))[:2]] == ["wrong truth", ""]
 
 
-@pytest.mark.parametrize("sent", [None, "x", [{"n": "1"}], ["x"], [{"n": 1, "kind": "decide"}]])
+@pytest.mark.parametrize("sent", [None, "x", [{"n": "1"}], ["x"], [{"n": 1, "case": []}]])
 def test_malformed_messages_change_nothing(own: Workspace, sent: Any) -> None:
     page = part(HEARS, space=own)
     page.session_state[gallery.KEY] = {"told": {"client": "tab", "messages": sent}}
     checked(page.run())
     assert kept._TAB not in own.notes
+
+
+def test_a_decision_that_cannot_be_stored_is_sent_again(
+    own: Workspace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (one,) = first_ids(own, 1)
+
+    def refuse(*_: object, **__: object) -> None:
+        raise StoreError("the file is locked")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(kept, "decide", refuse)
+        told(own, message(1, one, "ask"))
+    told(own, message(1, one, "ask"))
+    assert cases(again(own))[0]["mine"] == "ask"
 
 
 def test_numbers_follow_decisions(own: Workspace) -> None:

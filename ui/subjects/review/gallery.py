@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import streamlit as st
 
+from nvcore.common.errors import NvcoreError
 from nvcore.common.wording import listed, number
 from nvcore.comparison.compare import Result
 from nvcore.subjects.review.cases import CaseKind, CaseList, find_cases, shots
@@ -18,6 +19,7 @@ from nvcore.subjects.review.decisions import MOST_NOTE, Decision, decided, lates
 from ui.session import state, store
 from ui.session.results import cached_findings, comparison_key
 from ui.session.routes import address
+from ui.shell.messages import shown_error
 from ui.shell.navigate import open_frame
 from ui.subjects.review import kept
 from ui.subjects.review.crops import version_of
@@ -190,28 +192,33 @@ def _texts(case: Mapping[Hashable, Any]) -> dict[str, str]:
 
 def _hear(cases: CaseList) -> None:
     """Apply the browser's messages that are new, unless they are malformed."""
-    told = store.sent(KEY, "told")
-    messages = told.get("messages") if isinstance(told, Mapping) else None
-    if not isinstance(messages, list) or not isinstance(told["client"], str):
+    client, messages = (store.sent(KEY, "told", name) for name in ("client", "messages"))
+    if not isinstance(client, str) or not isinstance(messages, list):
         return
-    heard, known = store.REVIEW_HEARD.get(), set(cases.table["case"])
-    last = heard["n"] if heard and heard["client"] == told["client"] else 0
+    heard = store.REVIEW_HEARD.get()
+    last = heard["n"] if heard and heard["client"] == client else 0
     for message in messages:
         if not isinstance(message, Mapping) or type(message.get("n")) is not int:
             return
         if message["n"] <= last:
             continue
+        try:
+            _apply(message, cases)
+        except NvcoreError as error:  # the browser sends it again with the next one
+            st.toast(shown_error(error), icon=":material/error:")
+            return
         last = message["n"]
-        store.REVIEW_HEARD.set({"client": told["client"], "n": last})
-        if message.get("kind") == "undo":
-            kept.undo()
-        elif message.get("case") in known and message.get("decision") in [*Decision]:
-            store.REVIEW_CASE.set(message["case"])
-            seen = message.get("seen")
-            note = str(message.get("note", ""))[:MOST_NOTE]
-            kept.decide(
-                message["case"], message["decision"], note, seen=seen if type(seen) is int else None
-            )
+        store.REVIEW_HEARD.set({"client": client, "n": last})
+
+
+def _apply(message: Mapping[str, Any], cases: CaseList) -> None:
+    case, decision, note = (str(message.get(name)) for name in ("case", "decision", "note"))
+    if message.get("kind") == "undo":
+        kept.undo()
+    elif case in set(cases.table["case"]) and decision in [*Decision]:
+        store.REVIEW_CASE.set(case)
+        seen = message.get("seen")
+        kept.decide(case, decision, note[:MOST_NOTE], seen=seen if type(seen) is int else None)
 
 
 def _ask_to_open() -> None:
