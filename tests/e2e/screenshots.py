@@ -28,6 +28,7 @@ PAGES = {
     "timeline": f"timeline?{MOMENT}",
     "encounters": "encounters",
     "time-left": "time_left",
+    "review": "review",
     "saliency": "saliency?recording=rural_child",
     "detection": "detection",
     "detectors": "detectors?recording=urban_crossing&frame=120",

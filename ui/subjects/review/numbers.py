@@ -43,8 +43,8 @@ def draw(
     shown = [(old, new) for old, new in rows if old.key == primary]
     why = "The primary measure is none of the scorecard, which alone is computed again here."
     lead = _lead(result, *shown[0], n_out) if shown else f"Leader {UNDEFINED}"
-    st.markdown(lead, help=None if shown else why)
     with st.container(horizontal=True, vertical_alignment="center", key="review_numbers"):
+        st.markdown(lead, help=None if shown else why, width="content")
         n_turn, why = _turns(robust)
         st.markdown(f"Open misses that would turn it: **{n_turn}**", help=why, width="content")
         with st.popover("All measures", type="tertiary"):
