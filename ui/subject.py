@@ -14,6 +14,7 @@ import plotly.graph_objects as go
 
 from nvcore.common.palette import Theme
 from nvcore.comparison.compare import Result
+from nvcore.evidence.looks import ONLY_LOOK, Look
 from nvcore.settings.stages import Stage, shown_results
 
 if TYPE_CHECKING:
@@ -233,6 +234,11 @@ class SubjectPages:
         """Return its routes."""
         return ()
 
+    def count_look(self, result: Result) -> Look:
+        """Count a verdict that is shown, where it keeps count of these."""
+        del result
+        return ONLY_LOOK
+
     def studies(self) -> Sequence[AnyStudies]:
         """Return its tasks for studies with people."""
         return ()
@@ -243,6 +249,12 @@ def subject_pages() -> tuple[SubjectPages, ...]:
     """Return the pages of all subjects, in the order in which they are listed."""
     known: tuple[SubjectPages, ...] = import_module("ui.subjects.registry").SUBJECTS
     return known
+
+
+def count_look(result: Result) -> Look:
+    """Count a verdict that is shown."""
+    looks = [subject.count_look(result) for subject in subject_pages()]
+    return max(looks, key=lambda look: look.factor)
 
 
 def all_sights() -> list[Sight]:

@@ -163,7 +163,7 @@ def rewrite(path: Path, change: Callable[[str, bytes], bytes]) -> None:
 def test_different_looks_are_counted_once(store: ProjectStore) -> None:
     token = store.create("a", "").token
     settings = ({"iou": 0.5}, {"iou": 0.3}, {"iou": 0.5})
-    assert [store.look(token, of, {"severity": 0.2}) for of in settings] == [1, 2, 1]
+    assert [store.look(token, of) for of in settings] == [1, 2, 1]
 
 
 def test_a_backup_is_whole_while_the_file_is_in_use(store: ProjectStore, tmp_path: Path) -> None:

@@ -42,7 +42,7 @@ MIGRATIONS: Final = (
     CREATE INDEX decision_of_project ON decision (project, n);
     CREATE TABLE look (n INTEGER PRIMARY KEY AUTOINCREMENT,
         project TEXT NOT NULL REFERENCES project ON DELETE CASCADE, key TEXT NOT NULL,
-        setting TEXT NOT NULL, p TEXT NOT NULL, at TEXT NOT NULL, UNIQUE (project, key));""",
+        setting TEXT NOT NULL, at TEXT NOT NULL, UNIQUE (project, key));""",
 )
 """SQL that takes the file from one version of its schema to the next one."""
 
@@ -313,21 +313,19 @@ class ProjectStore(SqliteFile):
         table = pd.DataFrame([tuple(row) for row in rows], columns=["n", *COLUMNS])
         return table.assign(is_done=table["is_done"].astype(bool))
 
-    def look(self, token: str, setting: Mapping[str, Any], p: Mapping[str, float]) -> int:
+    def look(self, token: str, setting: Mapping[str, Any]) -> int:
         """Record that a verdict was shown, and return the number of this look.
 
         Parameters
         ----------
         setting
             What the verdict rests on (`nvcore.evidence.looks.setting_of`).
-        p
-            p of each measure in it.
         """
         text, key = json.dumps(setting, sort_keys=True, default=str), look_key(setting)
         with self.connect() as base:
             base.execute(
-                "INSERT OR IGNORE INTO look VALUES (NULL, ?, ?, ?, ?, ?)",
-                (token, key, text, json.dumps(dict(p)), datetime.now(UTC).isoformat()),
+                "INSERT OR IGNORE INTO look VALUES (NULL, ?, ?, ?, ?)",
+                (token, key, text, datetime.now(UTC).isoformat()),
             )
             query = (
                 "SELECT COUNT(*) FROM look WHERE project = ?1 AND n <= "

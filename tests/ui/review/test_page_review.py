@@ -394,3 +394,16 @@ def test_python_sees_what_the_page_kept(own: Workspace) -> None:
     project = nv.open_project("Night")
     assert project.cases.set_index("case").loc[one, "decision"] == "wrong truth"
     assert SAMPLE.exists()
+
+
+def test_a_project_counts_the_settings_whose_verdict_was_shown(own: Workspace) -> None:
+    def overview(**address: str) -> str:
+        page = alone("overview", **address)
+        page.session_state["workspace"] = own
+        return texts(checked(page.run()))
+
+    assert "tried on these data" not in overview()
+    kept_project(own)
+    assert "setting 1 tried on these data, so each p is multiplied by 2" in overview()
+    assert "setting 2 tried on these data, so each p is multiplied by 6" in overview(iou="0.3")
+    assert "setting 1 tried" in overview()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from nvcore.comparison.compare import Result
+from nvcore.evidence.looks import Look
 from ui import subject
 
 
@@ -14,6 +16,11 @@ class ReviewPages(subject.SubjectPages):
         ),
     )
     documents = (subject.Document("review", "Review", after="report"),)
+
+    def count_look(self, result: Result) -> Look:
+        from ui.subjects.review.kept import count_look
+
+        return count_look(result)
 
     def routes(self) -> Sequence[subject.Place]:
         from ui.subjects.review.crops import ROUTES

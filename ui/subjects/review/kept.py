@@ -9,6 +9,8 @@ from typing import Any, Final, NamedTuple
 import pandas as pd
 import streamlit as st
 
+from nvcore.comparison.compare import Result
+from nvcore.evidence.looks import ONLY_LOOK, Look, look_of, setting_of
 from nvcore.subjects.review.calls import open_store
 from nvcore.subjects.review.decisions import COLUMNS, empty_decisions, latest, make_decision
 from nvcore.subjects.review.store import ConflictError, Project, ProjectStore
@@ -92,6 +94,14 @@ def project() -> tuple[ProjectStore, Project] | None:
     store = open_store()
     found = store.project(token)
     return None if found is None or not may_open(store, token) else (store, found)
+
+
+def count_look(result: Result) -> Look:
+    """Count a verdict on the open project, so that p is corrected for all looks at it."""
+    if (opened := project()) is None:
+        return ONLY_LOOK
+    store, of = opened
+    return look_of(store.look(of.token, setting_of(result, state.protocol())), result.dataset)
 
 
 def has_news() -> bool:

@@ -13,6 +13,7 @@ from nvcore.common.wording import count_text, percent
 from nvcore.comparison.compare import Result
 from nvcore.evidence.claims import decided_on
 from nvcore.evidence.companions import Companions
+from nvcore.evidence.looks import ONLY_LOOK, correct_for_looks
 from nvcore.evidence.operating_points import are_delivered
 from nvcore.notes import Note
 from nvcore.report.tiles import tiles
@@ -23,6 +24,7 @@ from nvcore.tables.influence import leads
 from ui.session import state, store
 from ui.shell.navigate import open_page
 from ui.streamlit_inside.types import DeltaGenerator
+from ui.subject import count_look
 from ui.views.overview.tiles import tiles_html
 from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain, short_names
@@ -71,8 +73,13 @@ class VerdictBox:
         plan: tuple[Note, ...],
     ) -> None:
         """Draw the verdict, what it depends on, and how much more data it would take."""
-        result = self._result
-        conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
+        result, look = self._result, ONLY_LOOK
+        if companions is not None:  # the settings are at rest
+            look = count_look(result)
+            evidence, companions = correct_for_looks(evidence, companions, look)
+        conclusion = verdict(
+            result, findings, evidence=evidence, companions=companions, plan=plan, look=look
+        )
         about, _ = decided_on(result, evidence, companions)
         reasons = " ".join([conclusion.reason, *map(state.say, leads(about))])
         words = plain(conclusion.in_short), plain(reasons)
