@@ -58,8 +58,8 @@ def test_a_strangers_project_names_no_file_that_it_does_not_bring(
     assert nvcore("sample", str(tmp_path / "copy")).exit_code == 0
     file, session = open_store(), read_session(tmp_path / "copy" / "session.toml")
     named, brought = (
-        keep_session(file, name, session, "", root=root)
-        for name, root in (("named", None), ("brought", tmp_path / "copy"))
+        keep_session(file, name, session, "", roots=roots)
+        for name, roots in (("named", ()), ("brought", (tmp_path / "copy",)))
     )
     for project in (named, brought):
         file.export(project.token, tmp_path / f"{project.name}.zip")

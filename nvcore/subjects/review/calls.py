@@ -5,7 +5,7 @@ from __future__ import annotations
 import glob
 import os
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Final
@@ -70,8 +70,10 @@ def session_of(
     root, tree = project.root, store.tree(project.token)
 
     def moved(path: str) -> str:
-        is_copy = bool(root) and Path(path).is_relative_to(root)
-        return str(tree / Path(path).relative_to(root)) if is_copy else path
+        if not root or not Path(path).is_relative_to(root):
+            return path
+        copy = tree / Path(path).relative_to(root)
+        return str(copy) if copy.exists() or glob.glob(str(copy)) else path  # noqa: PTH207
 
     return session.with_paths(moved, folder=tree)
 
@@ -195,7 +197,7 @@ def keep_session(
     session: Session,
     fingerprint: str,
     *,
-    root: Path | None = None,
+    roots: Sequence[Path] = (),
     owner: str = "",
 ) -> Project:
     """Keep a session as a new project.
@@ -204,8 +206,8 @@ def keep_session(
     ----------
     fingerprint
         Fingerprint of its data.
-    root
-        Folder of which files are copied, such as uploads. Others stay where they are.
+    roots
+        Folders of which files are copied, such as uploads. Others stay where they are.
     owner
         First member.
 
@@ -221,15 +223,16 @@ def keep_session(
         path = session.folder / one
         found = [path] if path.exists() else map(Path, sorted(glob.glob(str(path))))  # noqa: PTH207  # absolute
         for each in found:
-            is_copied = root is not None and each.is_relative_to(root)
+            is_copied = any(map(each.is_relative_to, roots))
             inside = sorted(each.rglob("*")) if is_copied and each.is_dir() else [each]
             (copied if is_copied else inputs).extend(of for of in inside if of.is_file())
+    used = [root for root in roots if any(path.is_relative_to(root) for path in copied)]
     return file.create(
         *(name, text),
         owner=owner,
         inputs=dict.fromkeys(inputs),
         copied=dict.fromkeys(copied),
-        root=root,
+        root=Path(os.path.commonpath(used)) if used else None,
     )
 
 

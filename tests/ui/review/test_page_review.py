@@ -308,6 +308,13 @@ def test_uploads_are_copied(own: Workspace, tmp_path: Path, monkeypatch: Any) ->
     path.parent.joinpath("truth.csv").unlink()
     again = checked(alone("review", project=token).run())
     assert [one["who"] for one in cases(again)] == ["x"]
+    # kept once more, after something was added to the copies
+    with monkeypatch.context() as added:
+        added.setattr(kept, "project", lambda: None)
+        second = kept_project(space_of(again), "Rain")
+    open_store().delete(token)
+    assert open_store().changed_inputs(second) == []
+    assert [one["who"] for one in cases(checked(alone("review", project=second).run()))] == ["x"]
 
 
 def test_a_project_with_another_input_is_refused_and_the_page_goes_on(

@@ -148,11 +148,12 @@ def _exported(file: ProjectStore, token: str) -> bytes:
 def _keep(file: ProjectStore, name: str) -> None:
     """Keep the open comparison with its decisions. Uploads are copied, other files stay."""
     kept.call_guest()
-    space, before, opened = state.workspace(), kept.decisions(), kept.project()
-    root = space.folder if opened is None else file.tree(opened[1].token)
+    space, before = state.workspace(), kept.decisions()
     fingerprint = state.opened().dataset.fingerprint
     session = state.live_session()
-    project = keep_session(file, name, session, fingerprint, root=root, owner=kept.who())
+    project = keep_session(
+        file, name, session, fingerprint, roots=(space.folder, file.copies), owner=kept.who()
+    )
     if len(before):
         file.decide(project.token, before)
     kept.use(project.token, space.n_opened)
