@@ -129,7 +129,7 @@ def test_one_more_than_the_lead_turns_it() -> None:
     encounters, _ = on_encounters(made)
     assert encounters.endswith(
         "Of 6 runs of X's false alarms that look like its matches, at least 2 would have to be "
-        "real pedestrians to turn Y's lead in encounters detected."
+        "real pedestrians to turn Y's lead in encounters detected at these thresholds."
     )
 
 
