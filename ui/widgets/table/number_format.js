@@ -32,10 +32,10 @@ export function difference(x, y, form) {
   if (Number.isNaN(x) || Number.isNaN(y)) return UNDEFINED;
   const isShare = form.endsWith("%");
   const apart = (x - y) * (isShare ? 100 : 1);
-  const isAlike = formatted(x, form) === formatted(y, form);
+  const most = formatted(x, form) === formatted(y, form) ? 0 : MORE_DECIMALS;
   let of = form.replace("%", "f");
   let text = formatted(Math.abs(apart), of);
-  for (let more = 0; more < MORE_DECIMALS && !isAlike && !/[1-9]/.test(text); more += 1) {
+  for (let more = 0; more < most && !/[1-9]/.test(text); more += 1) {
     of = `.${Number(of.slice(1, -1)) + 1}f`;
     text = formatted(Math.abs(apart), of);
   }
