@@ -94,7 +94,7 @@ def probability(only_x: np.ndarray, only_y: np.ndarray) -> np.ndarray:
     Float64, shape (1 + n_units,).
     """
     pairs, unit = np.unique(np.stack([only_x, only_y], axis=1), axis=0, return_inverse=True)
-    grid = COARSE if pairs.sum(axis=1).max() <= MOST_COARSE else FINE
+    grid = COARSE if pairs.sum(axis=1).max(initial=0) <= MOST_COARSE else FINE
     logit = _APART[:, None, None] + _unit_logits(*grid)  # (d, tau, z)
     log_x, log_y = -np.logaddexp(0, -logit), -np.logaddexp(0, logit)
     of_pair = np.array(

@@ -11,8 +11,10 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import pandas as pd
+from filelock import FileLock
 
 from nvcore.common.errors import InputError
+from nvcore.common.output.files import write_whole
 from nvcore.comparison.compare import Result
 from nvcore.dataset import Dataset
 from nvcore.evidence.companions import Companions
@@ -87,18 +89,19 @@ def add_look(
     """
     if path is None:
         return ONLY_LOOK
-    path, setting, keys = Path(path), setting_of(result, protocol), []
+    path, setting, line = Path(path), setting_of(result, protocol), 1
+    text, keys = json.dumps(setting, sort_keys=True, default=str), []
     try:
-        lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-        for line, text in enumerate(lines, start=1):
-            known = json.loads(text)
-            if not isinstance(known, dict) or "data" not in known:
-                raise InputError(f"{path.name}, line {line}: no look that nvcore wrote")
-            keys.append(look_key(known))
-        if look_key(setting) not in keys:
-            with path.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(setting, sort_keys=True, default=str) + "\n")
-            keys.append(look_key(setting))
+        with FileLock(path.with_name(f".{path.name}.lock")):
+            before = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+            for line, stated in enumerate(before, start=1):  # noqa: B007  # for the message
+                known = json.loads(stated)
+                if not isinstance(known, dict) or "data" not in known:
+                    raise ValueError
+                keys.append(look_key(known))
+            if look_key(setting) not in keys:
+                write_whole(path, "".join(f"{look}\n" for look in (*before, text)).encode())
+                keys.append(look_key(setting))
     except OSError as error:
         raise InputError(f"{path}: looks cannot be kept ({error.strerror})") from error
     except ValueError as error:

@@ -87,3 +87,17 @@ def test_numbers_of_the_files_follow(tmp_path: Path) -> None:
         for name in ("out", "plain")
     )
     assert np.allclose(ours, (2 * theirs).clip(upper=1), equal_nan=True)
+
+
+def test_a_file_of_looks_may_lack_its_last_line_end_but_not_be_something_else(
+    tmp_path: Path,
+) -> None:
+    result, path = compare(load(read_session(SAMPLE))), tmp_path / "looks.jsonl"
+    add_look(path, result)
+    path.write_text(path.read_text().rstrip())
+    params = replace(result.params, iou=0.3)
+    assert add_look(path, compare(result.dataset, params)).number == 2
+    assert add_look(path, result).number == 1
+    path.write_bytes(b"\xff\n")
+    with pytest.raises(InputError, match=r"looks\.jsonl, line 1"):
+        add_look(path, result)

@@ -99,3 +99,11 @@ def test_the_gate_counts_changes_by_the_same_words_and_lists_those_of_a_failed_r
     assert values == [1, 1, 2, 2]
     assert outcomes[0].details == ("r0, track 1, frames 10 to 19",)
     assert outcomes[2].details == ("r0, frames 14 to 16", "r0, frame 18")
+
+
+def test_an_old_episode_is_that_of_both_new_ones_that_it_overlaps():
+    old = [high(12, 50, score=0.9)]
+    new = [high(12, 46, score=0.9), high(12, 54, score=0.8)]  # IoU 0.43 with the old one
+    result = result_of(make_dataset([at(12, 20, track=1)], old, new, places=[Place(FRAMES)]))
+    counts = count_changes(result)
+    assert (counts[Change.NEWLY_FALSE], counts[Change.GONE]) == (0, 0)

@@ -76,7 +76,7 @@ def test_copies_stay_as_long_as_a_project_uses_them(store: ProjectStore, tmp_pat
     assert (store.tree(second.token) / "up" / "x.csv").read_text() == "frame,x,y,w,h\n"
     assert store.used_bytes() == size
     store.delete(second.token)
-    assert [path for path in store.copies.rglob("*") if path.is_file()] == []
+    assert {path.name for path in store.copies.rglob("*") if path.is_file()} == {".lock"}
     assert store.decisions(first.token).empty
 
 
@@ -158,6 +158,53 @@ def rewrite(path: Path, change: Callable[[str, bytes], bytes]) -> None:
     with zipfile.ZipFile(path, "w") as archive:
         for name, old in content.items():
             archive.writestr(name, change(name, old))
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b'"x.csv"', b'""'),
+        (b'"size": 1', b'"size": %d' % 2**70),
+        (b'"decisions": []', b'"decisions": [5]'),
+    ],
+)
+def test_a_forged_project_leaves_nothing_behind(
+    store: ProjectStore, tmp_path: Path, old: bytes, new: bytes
+) -> None:
+    (tmp_path / "x.csv").write_text("1")
+    token = store.create("a", "", copied=[tmp_path / "x.csv"], root=tmp_path).token
+    store.export(token, tmp_path / "a.zip")
+    store.delete(token)
+    with (
+        zipfile.ZipFile(tmp_path / "a.zip") as good,
+        zipfile.ZipFile(tmp_path / "bad.zip", "w") as bad,
+    ):
+        for name in good.namelist():
+            content = good.read(name)
+            bad.writestr(name, content.replace(old, new))
+            assert name != "project.json" or old in content
+    with pytest.raises(InputError, match="no project that nvcore wrote"):
+        store.import_(tmp_path / "bad.zip")
+    assert store.projects() == []
+    assert {path.name for path in store.copies.rglob("*") if path.is_file()} == {".lock"}
+
+
+def test_writing_to_a_deleted_project_is_refused(store: ProjectStore) -> None:
+    token = store.create("a", "").token
+    store.delete(token)
+    for write in (
+        lambda: store.decide(token, on("c1", "ann")),
+        lambda: store.look(token, {"iou": 0.5}),
+        lambda: store.add_member(token, "bob"),
+    ):
+        with pytest.raises(InputError, match="deleted"):
+            write()
+
+
+def test_members_are_known_by_any_case_of_their_address(store: ProjectStore) -> None:
+    token = store.create("a", "", owner="Ann@Lab.example").token
+    assert store.is_member(token, "ann@lab.example")
+    assert [of.token for of in store.projects("ANN@lab.example")] == [token]
 
 
 def test_different_looks_are_counted_once(store: ProjectStore) -> None:

@@ -131,8 +131,11 @@ def test_decisions_outlive_a_file(cases: CaseList, tmp_path: Path) -> None:
     ("text", "told"),
     [
         ("case,decision\na,ask\n", "no column reviewer"),
-        ("case,reviewer,decision,note,is_done,at\na,A,maybe,,true,2026-01-01\n", "line 2: no dec"),
-        ("case,reviewer,decision,note,is_done,at\na,A,ask,,true,noon\n", "line 2: Invalid"),
+        (
+            "case,reviewer,decision,note,is_done,at\na,A,maybe,,true,2026-01-01\n",
+            "decision 1: no dec",
+        ),
+        ("case,reviewer,decision,note,is_done,at\na,A,ask,,true,noon\n", "decision 1: Invalid"),
     ],
 )
 def test_other_files_are_refused_with_their_line(text: str, told: str, tmp_path: Path) -> None:

@@ -73,6 +73,21 @@ def test_a_strangers_project_names_no_file_that_it_does_not_bring(
     assert import_shared(file, tmp_path / "named.zip", [tmp_path / "copy"]).name == "named"
 
 
+def test_a_strangers_table_of_recordings_names_no_other_file(store: Path, tmp_path: Path) -> None:
+    assert nvcore("sample", str(tmp_path / "copy")).exit_code == 0
+    path = tmp_path / "copy" / "session.toml"
+    table = f"recording,pictures\nodd_pose,{tmp_path / 'secret.mp4'}\n"
+    (tmp_path / "copy" / "rec.csv").write_text(table)
+    text = path.read_text().replace('pictures = "odd_pose.mp4"\n', "")
+    path.write_text(f'[recordings]\npath = "rec.csv"\n{text}')
+    file = open_store()
+    made = keep_session(file, "brought", read_session(path), "", roots=(tmp_path / "copy",))
+    file.export(made.token, tmp_path / "brought.zip")
+    with pytest.raises(InputError, match="does not bring"):
+        import_shared(file, tmp_path / "brought.zip", [])
+    assert len(file.projects()) == 1
+
+
 def test_the_command_line_lists_decides_and_exports(store: Path, tmp_path: Path) -> None:
     def say(*words: str) -> str:
         done = nvcore("review", *words)

@@ -104,8 +104,8 @@ def draw_bar(links: dict[str, StreamlitPage], here: Page) -> None:
                     st.page_link(links[page.key], width="content")
         for group in GROUPS:
             # another key on each page, so that the popover is closed there
-            name = f"current_{here.key}" if here.section == group else group
-            with st.popover(group, type="tertiary", key=f"nav_{name}"):
+            kind = "current" if here.section == group else group
+            with st.popover(group, type="tertiary", key=f"nav_{kind}_{here.key}"):
                 _draw_group(group, links, lacking)
         with st.container(horizontal=True, width="content", gap="xsmall", key="nav_icons"):
             for page in _PAGES:

@@ -23,6 +23,7 @@ from nvcore.common.errors import InputError
 from nvcore.common.wording import did_you_mean
 from nvcore.comparison.compare import Result
 from nvcore.inputs.session import Session
+from nvcore.inputs.session.recordings_file import with_recordings_file
 from nvcore.inputs.session.toml import read_session, write_session
 from nvcore.subjects.review.cases import CaseList, find_cases
 from nvcore.subjects.review.decisions import (
@@ -243,6 +244,7 @@ def import_shared(
     *,
     owner: str = "",
     read: Callable[[Path], Session] = read_session,
+    read_table: Callable[[Session], Session] = with_recordings_file,
 ) -> Project:
     """Add the project of a file that a stranger may have made.
 
@@ -250,8 +252,8 @@ def import_shared(
     ----------
     roots
         Folders in which it may name files that it does not bring.
-    read
-        Reads the session file.
+    read, read_table
+        Read the session file, and the table of recordings that it names.
 
     Raises
     ------
@@ -273,6 +275,8 @@ def import_shared(
             check(tree / one.path)
         session = session_of(file, project, read=read)
         for text in session.paths():
+            check(session.folder / text)
+        for text in read_table(session).paths():
             check(session.folder / text)
     except BaseException:
         file.delete(project.token)

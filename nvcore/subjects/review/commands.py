@@ -98,7 +98,6 @@ def review(
             raise click.UsageError(f"review {action} {ACTIONS[action]}")
         return words
 
-    who = reviewer if reviewer is not None else getpass.getuser()
     if action == "list" and not words:
         rows = [(of.name, f"{of.created_at:%Y-%m-%d}") for of in open_store(store).projects()]
         click.echo("\n".join(aligned(rows)) if rows else "No projects.")
@@ -114,7 +113,7 @@ def review(
     elif action == "decide":
         name, case, decision = need(3)
         text = "" if decision == "open" else decision.replace("-", " ")
-        open_project(name, store=store).decide(case, text, reviewer=who, note=note)
+        open_project(name, store=store).decide(case, text, reviewer=_reviewer(reviewer), note=note)
     elif action == "measures":
         _list_measures(open_project(need(1)[0], store=store))
     elif action == "export":
@@ -131,7 +130,7 @@ def review(
         file = Path(words[0]) if words else Path(need(1)[0])
         if file.suffix == ".zip":
             need(1)
-            click.echo(f"kept: {open_store(store).import_(file, owner=who).name}")
+            click.echo(f"kept: {open_store(store).import_(file, owner=_reviewer(reviewer)).name}")
         else:
             project, decisions = open_project(need(2)[1], store=store), read_decisions(file)
             open_store(store).decide(project.project.token, decisions)
@@ -140,8 +139,18 @@ def review(
         open_store(store).delete(open_project(need(1)[0], store=store).project.token)
 
 
+def _reviewer(name: str | None) -> str:
+    """Return a name that was given, else the user's log-in, else none."""
+    if name is not None:
+        return name
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):  # a user without an account, as in a container
+        return ""
+
+
 def _list_cases(project: OpenProject, *, only_open: bool, above: float) -> int:
-    """Print the cases, and return how many these are."""
+    """Print the cases, and return their number."""
     cases = project.cases
     shown = cases[~(cases["is_done"] & only_open) & ~(cases["severity_s"] <= above)]
     rows = [("case", "kind", "systems", "recording", "frames", "s", "decision", "note")]

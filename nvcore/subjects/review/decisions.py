@@ -16,6 +16,8 @@ import pandas as pd
 
 from nvcore.common.errors import InputError
 from nvcore.common.findings import Cases, Finding, Severity
+from nvcore.common.output.csv_text import to_csv_bytes, without_safeguard
+from nvcore.common.output.files import write_whole
 from nvcore.comparison.compare import Result, compare
 from nvcore.comparison.measures.entry import MeasureTable
 from nvcore.dataset import Dataset
@@ -42,6 +44,7 @@ class Decision(StrEnum):
 
 LEAVES_OUT: Final = (Decision.WRONG_TRUTH, Decision.IRRELEVANT)
 """Decisions that take the boxes of a case out of the comparison."""
+_IS_DONE: Final = {"true": True, "1": True, "false": False, "0": False}
 DISPUTED: Final = "disputed"
 """State of a case on which reviewers disagree."""
 
@@ -80,8 +83,9 @@ def make_decision(
     except ValueError:
         known = ", ".join(of.value for of in Decision if of)
         raise InputError(f"no decision {decision!r}: the decisions are {known}") from None
-    if max(len(note), len(reviewer)) > MOST_NOTE:
-        raise InputError(f"a note has {MOST_NOTE:,} characters at most")
+    for text, noun in ((note, "note"), (reviewer, "reviewer's name")):
+        if len(text) > MOST_NOTE:
+            raise InputError(f"a {noun} has {MOST_NOTE:,} characters at most")
     done = made not in (Decision.OPEN, Decision.ASK) if is_done is None else is_done
     time = (at or datetime.now(UTC)).isoformat(timespec="seconds")
     return pd.DataFrame([(case, reviewer, made.value, note, done, time)], columns=list(COLUMNS))
@@ -203,11 +207,11 @@ def parse_decisions(content: bytes, name: str) -> pd.DataFrame:
     try:
         text = content.decode("utf-8-sig")
         if name.endswith(".json"):
-            table = pd.DataFrame(json.loads(text), dtype=object)
+            table = pd.DataFrame(json.loads(text), dtype=object).fillna("")
         else:
             table = pd.read_csv(StringIO(text), dtype=str, keep_default_na=False)
         missing = [column for column in COLUMNS if column not in table]
-    except (ValueError, RecursionError) as error:
+    except (ValueError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(f"{name}: no decisions can be read ({error})") from error
     if missing:
         raise InputError(f"{name}: no column {missing[0]}; {', '.join(COLUMNS)} are needed")
@@ -220,33 +224,33 @@ def check_decisions(table: pd.DataFrame, name: str) -> pd.DataFrame:
     Raises
     ------
     InputError
-        With the file's name and the line, if one of them is something else.
+        With the file's name and the number of the decision, if one of them is something else.
     """
     rows = [empty_decisions()]
-    for line, row in enumerate(table[list(COLUMNS)].itertuples(index=False), start=2):
+    for number, row in enumerate(table[list(COLUMNS)].itertuples(index=False), start=1):
         try:
             made = make_decision(
                 str(row.case),
                 str(row.decision),
-                reviewer=str(row.reviewer),
-                note=str(row.note),
-                is_done={"true": True, "false": False}[str(row.is_done).lower()],
+                reviewer=without_safeguard(str(row.reviewer)),
+                note=without_safeguard(str(row.note)),
+                is_done=_IS_DONE[str(row.is_done).lower()],
                 at=datetime.fromisoformat(str(row.at)),
             )
         except (InputError, ValueError, KeyError) as error:
-            raise InputError(f"{name}, line {line}: {error}") from error
+            raise InputError(f"{name}, decision {number}: {error}") from error
         rows.append(made)
     return pd.concat(rows, ignore_index=True)
 
 
-def format_decisions(decisions: pd.DataFrame, name: str) -> str:
+def format_decisions(decisions: pd.DataFrame, name: str) -> bytes:
     """Return decisions as CSV, or as JSON if the file's name ends so."""
     table = decisions[list(COLUMNS)]
     if name.endswith(".json"):
-        return json.dumps(table.to_dict("records"), indent=1, ensure_ascii=False)
-    return table.to_csv(index=False, lineterminator="\n")
+        return json.dumps(table.to_dict("records"), indent=1, ensure_ascii=False).encode()
+    return to_csv_bytes(table)
 
 
 def write_decisions(decisions: pd.DataFrame, path: Path) -> None:
     """Write decisions as CSV, or as JSON if the name ends so."""
-    path.write_text(format_decisions(decisions, path.name), encoding="utf-8")
+    write_whole(path, format_decisions(decisions, path.name))

@@ -15,12 +15,14 @@ import shutil
 import sqlite3
 import zipfile
 import zlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, ClassVar, Final, NamedTuple
 
 import pandas as pd
+from filelock import FileLock
 
 from nvcore.common.errors import InputError, NvcoreError
 from nvcore.common.output.sqlite_file import SqliteFile
@@ -55,11 +57,13 @@ MOST_ABOUT_BYTES: Final = 64 * 1024**2
 """Largest size of a project's description in its file, which is read into memory."""
 BLOBS: Final = "content"
 TREES: Final = "projects"
+PARTIAL: Final = "partial"
+LOCK: Final = ".lock"
 
 
 _NO_PROJECT: Final = (
     *(OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError, InputError),
-    *(NotImplementedError, RuntimeError, zipfile.BadZipFile, zlib.error),
+    *(NotImplementedError, RuntimeError, OverflowError, zipfile.BadZipFile, zlib.error),
 )
 """Exceptions that a file which is no project can raise."""
 
@@ -127,7 +131,7 @@ class ProjectStore(SqliteFile):
         refuse_network(path)
         super().__init__(path)
         self.copies = path.with_suffix(".files")
-        for folder in (self.copies, self.copies / BLOBS, self.copies / TREES):
+        for folder in (self.copies, *(self.copies / name for name in (BLOBS, TREES, PARTIAL))):
             folder.mkdir(mode=0o700, exist_ok=True)
         with self.connect() as base:
             base.execute("PRAGMA journal_mode = WAL")
@@ -177,13 +181,19 @@ class ProjectStore(SqliteFile):
         copied, token = list(copied), secrets.token_urlsafe(16)
         self._check_quota(sum(path.stat().st_size for path in copied))
         kept = [_known(path) for path in inputs]
-        for path in copied:
-            assert root is not None
-            known = _known(path)
-            inside = path.relative_to(root).as_posix()
-            self._link(known.sha256, path, self.tree(token) / inside)
-            kept.append(known._replace(path=inside, is_copy=True))
-        return self._add(token, name.strip(), session, str(root or ""), owner, kept)
+        try:
+            for path in copied:
+                assert root is not None
+                known = _known(path)
+                inside = path.relative_to(root).as_posix()
+                self._link(known.sha256, path, self.tree(token) / inside)
+                kept.append(known._replace(path=inside, is_copy=True))
+            return self._add(token, name.strip(), session, str(root or ""), owner, kept)
+        except BaseException as error:
+            self.delete(token)
+            if isinstance(error, OSError | ValueError):
+                raise InputError(f"the inputs cannot be copied ({error})") from error
+            raise
 
     def _add(
         self,
@@ -198,7 +208,7 @@ class ProjectStore(SqliteFile):
         with self.connect() as base:
             values = (*project[:4], project.created_at.isoformat())
             base.execute("INSERT INTO project VALUES (?, ?, ?, ?, ?)", values)
-            base.execute("INSERT INTO member VALUES (?, ?)", (token, owner))
+            base.execute("INSERT INTO member VALUES (?, ?)", (token, owner.lower()))
             base.executemany(
                 "INSERT OR IGNORE INTO input VALUES (?, ?, ?, ?, ?, ?)",
                 [(token, *one) for one in inputs],
@@ -219,26 +229,37 @@ class ProjectStore(SqliteFile):
         rows = self.execute(
             "SELECT * FROM project WHERE ?1 IS NULL OR token IN "
             "(SELECT project FROM member WHERE who = ?1) ORDER BY created_at DESC",
-            who,
+            who and who.lower(),
         )
         return list(map(_project, rows))
 
     def is_member(self, token: str, who: str) -> bool:
         """Return whether somebody may open a project."""
-        rows = self.execute("SELECT 1 FROM member WHERE project = ? AND who = ?", token, who)
-        return bool(rows)
+        query = "SELECT 1 FROM member WHERE project = ? AND who = ?"
+        return bool(self.execute(query, token, who.lower()))
 
     def add_member(self, token: str, who: str) -> None:
         """Let somebody open a project."""
-        self.execute("INSERT OR IGNORE INTO member VALUES (?, ?)", token, who)
+        with self._of_project() as base:
+            base.execute("INSERT OR IGNORE INTO member VALUES (?, ?)", (token, who.lower()))
+
+    @contextmanager
+    def _of_project(self) -> Iterator[sqlite3.Connection]:
+        """Open the file to write about a project, which somebody may have deleted meanwhile."""
+        try:
+            with self.connect() as base:
+                yield base
+        except sqlite3.IntegrityError as error:
+            raise InputError("the project was deleted") from error
 
     def delete(self, token: str) -> None:
         """Delete a project, and all copies that no other project uses."""
-        if self.execute("DELETE FROM project WHERE token = ? RETURNING token", token):
+        self.execute("DELETE FROM project WHERE token = ?", token)
+        with FileLock(self.copies / LOCK):  # nobody links a copy in between
             shutil.rmtree(self.tree(token), ignore_errors=True)
-        for path in (self.copies / BLOBS).iterdir():
-            if path.stat().st_nlink == 1:
-                path.unlink(missing_ok=True)
+            for path in (self.copies / BLOBS).iterdir():
+                if path.stat().st_nlink == 1:
+                    path.unlink()
 
     def inputs(self, token: str) -> list[KeptInput]:
         """Return the inputs of a project."""
@@ -279,7 +300,7 @@ class ProjectStore(SqliteFile):
             If somebody else decided on one of the cases after `seen`.
         """
         rows = list(decisions[list(COLUMNS)].itertuples(index=False, name=None))
-        with self.connect() as base:
+        with self._of_project() as base:
             base.execute("BEGIN IMMEDIATE")  # nobody decides in between
             for case, reviewer, *_ in rows if seen is not None else ():
                 theirs = base.execute(
@@ -322,7 +343,7 @@ class ProjectStore(SqliteFile):
             What the verdict rests on (`nvcore.evidence.looks.setting_of`).
         """
         text, key = json.dumps(setting, sort_keys=True, default=str), look_key(setting)
-        with self.connect() as base:
+        with self._of_project() as base:
             base.execute(
                 "INSERT OR IGNORE INTO look VALUES (NULL, ?, ?, ?, ?)",
                 (token, key, text, datetime.now(UTC).isoformat()),
@@ -336,7 +357,8 @@ class ProjectStore(SqliteFile):
 
     def used_bytes(self) -> int:
         """Return the total size of all copies."""
-        return sum(path.stat().st_size for path in (self.copies / BLOBS).iterdir())
+        query = "SELECT sha256, MAX(size) FROM input WHERE is_copy GROUP BY sha256"
+        return sum(size for _, size in self.execute(query))
 
     def backup(self, path: Path) -> None:
         """Write a copy of the file while it is in use. The copies of inputs are not in it."""
@@ -348,7 +370,7 @@ class ProjectStore(SqliteFile):
         Raises
         ------
         InputError
-            If there is no such project.
+            If there is no such project, or the file cannot be written. An older file then stays.
         """
         project = self.project(token)
         if project is None:
@@ -361,10 +383,18 @@ class ProjectStore(SqliteFile):
             "inputs": [one._asdict() for one in inputs],
             "decisions": self.decisions(token)[list(COLUMNS)].to_dict("records"),
         }
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-            archive.writestr("project.json", json.dumps(about, indent=1, ensure_ascii=False))
-            for sha256 in sorted({one.sha256 for one in inputs if one.is_copy}):
-                archive.write(self.copies / BLOBS / sha256, f"files/{sha256}")
+        partial = self.copies / PARTIAL / secrets.token_hex(16)
+        try:
+            with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
+                archive.writestr("project.json", json.dumps(about, indent=1, ensure_ascii=False))
+                for sha256 in sorted({one.sha256 for one in inputs if one.is_copy}):
+                    archive.write(self.copies / BLOBS / sha256, f"files/{sha256}")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            shutil.move(partial, path)
+        except OSError as error:
+            raise InputError(f"{path}: cannot be written ({error.strerror})") from error
+        finally:
+            partial.unlink(missing_ok=True)
 
     def import_(self, path: Path, *, owner: str = "") -> Project:
         """Add the project of a file that `export` wrote, under a new token.
@@ -389,26 +419,27 @@ class ProjectStore(SqliteFile):
                 )
                 for one in copied:
                     target = (self.tree(token) / one.path).resolve()
-                    if not target.is_relative_to(self.tree(token).resolve()):
+                    if self.tree(token).resolve() not in target.parents:
                         raise ValueError(f"{one.path} leaves the project")
                     self._link(one.sha256, archive, target)
             name, session, root = (str(about[key]) for key in ("name", "session", "root"))
             project = self._add(token, name, session, root, owner, inputs)
-        except _NO_PROJECT as error:
-            self.delete(token)
-            shutil.rmtree(self.tree(token), ignore_errors=True)
-            raise InputError(f"{path.name} is no project that nvcore wrote ({error})") from error
-        if len(decisions):
             self.decide(token, decisions)
-        return project
+            return project
+        except BaseException as error:
+            self.delete(token)
+            if isinstance(error, _NO_PROJECT):
+                told = f"{path.name} is no project that nvcore wrote ({error})"
+                raise InputError(told) from error
+            raise
 
     def _link(self, sha256: str, source: Path | zipfile.ZipFile, target: Path) -> None:
         """Put a file into the tree of a project, and its content beside the others if it is new.
 
-        Who names the hash of somebody else's content must have that content, too.
+        The content is hashed even if it is there, so that a known hash gives no access to it.
         """
         blob = self.copies / BLOBS / sha256
-        partial = blob.with_name(secrets.token_hex(16))
+        partial = self.copies / PARTIAL / secrets.token_hex(16)
         if isinstance(source, Path):
             shutil.copyfile(source, partial)
         else:
@@ -417,12 +448,13 @@ class ProjectStore(SqliteFile):
         if _hash(partial) != sha256:
             partial.unlink()
             raise ValueError("an input is corrupt")
-        if blob.exists():
-            partial.unlink()
-        else:
-            partial.replace(blob)
-        target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        target.hardlink_to(blob)
+        with FileLock(self.copies / LOCK):
+            if blob.exists():
+                partial.unlink()
+            else:
+                partial.replace(blob)
+            target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+            target.hardlink_to(blob)
 
     def _check_quota(self, size: int) -> None:
         used = self.used_bytes()

@@ -10,9 +10,10 @@ import pandas as pd
 
 from nvcore.comparison.compare import Result
 from nvcore.comparison.scoring import SystemResult
+from nvcore.dataset.columns import BoxColumns
 from nvcore.dataset.schema import Category
 from nvcore.metrics.false_alarms import link_alarms
-from nvcore.metrics.fusion import pair_detections
+from nvcore.metrics.kernels.checks import best_overlaps
 from nvcore.metrics.linking import LINK_IOU
 from nvcore.tables.column import RECORDING, CellKind, Column
 from nvcore.tables.moments import encounter_moments
@@ -125,16 +126,24 @@ def _alarms(result: Result) -> pd.DataFrame:
     Two episodes are the same if boxes of both overlap (IoU >= 0.3) in at least one frame.
     """
     dataset, (old, new) = result.dataset, (result.x, result.y)
-    boxes, others = dataset.system(old.name), dataset.system(new.name)
-    are_false = old.matches.is_false_alarm, new.matches.is_false_alarm
-    partner = pair_detections(boxes, others, *are_false, dataset.frame_columns, iou=LINK_IOU)
-    gone = _episodes(result, old, np.flatnonzero(partner >= 0), Change.GONE)
+    rows = [np.flatnonzero(of.matches.is_false_alarm) for of in (old, new)]
+    boxes = [dataset.system(of.name).only(of.matches.is_false_alarm) for of in (old, new)]
+    gone = _episodes(result, old, rows[0][_overlap_any(*boxes)], Change.GONE)
     gone = gone[gone["kind"] == Change.GONE.value]
-    cases = [gone, _episodes(result, new, partner[partner >= 0], Change.NEWLY_FALSE)]
+    shared = rows[1][_overlap_any(*reversed(boxes))]
+    cases = [gone, _episodes(result, new, shared, Change.NEWLY_FALSE)]
     table = pd.concat(cases, ignore_index=True)
     track = pd.array([pd.NA] * len(table), dtype="Int64")
     severity_s = dict.fromkeys(("severity_s_old", "severity_s_new"), np.nan)
     return table.assign(about="false alarm", encounter=-1, track=track, **severity_s)
+
+
+def _overlap_any(boxes: BoxColumns, others: BoxColumns) -> np.ndarray:
+    """Return which boxes overlap one of the others in their frame, bool, shape (n,)."""
+    iou, which = np.empty(len(boxes)), np.empty(len(boxes), np.int64)
+    place = boxes.frame_index, boxes.xywh, others.offsets[:-1], others.offsets[1:], others.xywh
+    best_overlaps(*place, (1.0, 1.0), (0.0, 0.0), iou, which)
+    return iou >= LINK_IOU
 
 
 def _episodes(

@@ -37,7 +37,7 @@ UNITS: Final = ("encounters", "false alarms", "encounters", "false alarms", "of 
 def draw_tiles(result: Result) -> None:
     """Draw the number of cases of each kind."""
     tiles = (
-        f'<section class="nv-tile"><h3>{capitalised(kind)}</h3>'
+        f'<section class="nv-tile"><h2>{capitalised(kind)}</h2>'
         f'<div class="values"><span>{n:,}</span></div><p>{unit}</p></section>'
         for unit, (kind, n) in zip(UNITS, count_changes(result).items(), strict=True)
     )

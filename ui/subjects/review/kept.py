@@ -174,8 +174,9 @@ def can_undo() -> bool:
 def undo() -> None:
     """Take back this tab's last decision. The one before applies again."""
     if can_undo():
-        case, decision, note = notes()[_UNDO].pop()
+        case, decision, note = notes()[_UNDO][-1]
         add(make_decision(case, decision, reviewer=reviewer(), note=note))
+        notes()[_UNDO].pop()
 
 
 def conflict() -> Conflict | None:
@@ -186,8 +187,9 @@ def conflict() -> Conflict | None:
 
 def settle(*, is_mine: bool) -> None:
     """Store this reviewer's decision of the first conflict, or the other one as theirs."""
-    first = notes()[_CONFLICTS].pop(0)
+    first = notes()[_CONFLICTS][0]
     if is_mine:
         add(first.mine)
     else:
         decide(*(first.theirs[name] for name in ("case", "decision", "note")))
+    notes()[_CONFLICTS].pop(0)

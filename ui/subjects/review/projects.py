@@ -13,7 +13,7 @@ from nvcore.dataset import Dataset
 from nvcore.subjects.review.calls import import_shared, keep_session, open_store, session_of
 from nvcore.subjects.review.store import MOST_NAME, QUOTA_BYTES, Project, ProjectStore
 from ui.access.login import login
-from ui.confined.reading import session_confined
+from ui.confined.reading import session_confined, with_recordings_confined
 from ui.session import state, store
 from ui.shell.messages import errors_shown, shown_root
 from ui.subjects.review import kept
@@ -170,5 +170,10 @@ def _draw_import(file: ProjectStore) -> None:
         path = Path(folder) / "project.zip"
         path.write_bytes(sent.getbuffer())
         roots = [state.SAMPLE.parent, *filter(None, [shown_root()])]
-        project = import_shared(file, path, roots, owner=kept.who(), read=session_confined)
+        project = import_shared(
+            *(file, path, roots),
+            owner=kept.who(),
+            read=session_confined,
+            read_table=with_recordings_confined,
+        )
     open_(project.token)
