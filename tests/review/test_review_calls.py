@@ -111,6 +111,8 @@ def test_the_command_line_lists_decides_and_exports(store: Path, tmp_path: Path)
     say("export", "Night", str(tmp_path / "open.xml"))
     frames = ET.parse(tmp_path / "open.xml").getroot().findall("image")
     assert {box.get("label") for image in frames for box in image} == {"miss", "false alarm"}
+    say("backup", str(tmp_path / "backup.sqlite"))
+    assert say("list", "--projects", str(tmp_path / "backup.sqlite")).startswith("Night")
     say("delete", "Night")
     assert say("list") == "No projects.\n"
     assert say("import", str(tmp_path / "night.zip")) == "kept: Night\n"

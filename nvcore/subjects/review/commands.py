@@ -20,15 +20,17 @@ if TYPE_CHECKING:
 # As in nvcore/cli/__init__.py, numpy is imported by the command only.
 
 ACTIONS = {
-    "new": "NAME SESSION_FILE: keep a comparison as a project.",
-    "list": "[NAME]: the projects, or the cases of one.",
-    "decide": "NAME CASE DECISION: real-miss, false-alarm, wrong-truth, irrelevant, ask or open.",
-    "check": "NAME: exit with 1 if a case above --above is open.",
-    "measures": "NAME: every measure before and after the review.",
-    "export": "NAME FILE: a project as .zip, decisions as .csv or .json, open frames as .xml.",
-    "import": "FILE [NAME]: a project from .zip, or decisions of others into one.",
-    "delete": "NAME: a project with everything that no other one uses.",
+    "new": "NAME SESSION_FILE",
+    "list": "[NAME]",
+    "decide": "NAME CASE DECISION",
+    "check": "NAME",
+    "measures": "NAME",
+    "export": "NAME FILE",
+    "import": "FILE [NAME]",
+    "delete": "NAME",
+    "backup": "FILE",
 }
+"""Words after each action."""
 
 
 @command(
@@ -86,6 +88,7 @@ def review(
                                its open cases as .xml for CVAT
     import FILE [NAME]         a project from .zip, or decisions of others into one
     delete NAME                a project, and what no other one uses
+    backup FILE                copy the file of all projects, also while it is in use
 
     Cases called wrong truth or irrelevant are left out of the measures after the review. Exit code
     0: fine, 1: a check failed, 2: bad input.
@@ -114,6 +117,7 @@ def review(
         name, case, decision = need(3)
         text = "" if decision == "open" else decision.replace("-", " ")
         open_project(name, store=store).decide(case, text, reviewer=_reviewer(reviewer), note=note)
+        click.echo(f"decided: {case} {decision}")
     elif action == "measures":
         _list_measures(open_project(need(1)[0], store=store))
     elif action == "export":
@@ -135,8 +139,14 @@ def review(
             project, decisions = open_project(need(2)[1], store=store), read_decisions(file)
             open_store(store).decide(project.project.token, decisions)
             click.echo(count_text(len(decisions), "decision"))
+    elif action == "backup":
+        (out,) = need(1)
+        open_store(store).backup(Path(out))
+        say_written(Path(out))
     else:
-        open_store(store).delete(open_project(need(1)[0], store=store).project.token)
+        (name,) = need(1)
+        open_store(store).delete(open_project(name, store=store).project.token)
+        click.echo(f"deleted: {name}")
 
 
 def _reviewer(name: str | None) -> str:
