@@ -178,6 +178,10 @@ def compare(
         click.echo(render_inputs(replace(result, dataset=short)), err=as_json)
         click.echo("\n" + render_findings(shown) + "\n", err=as_json)
     click.echo(text, nl=not as_json)
+    if look.factor > 1:
+        click.echo(
+            f"\nsetting {look.number} tried: each p is multiplied by {look.factor}", err=True
+        )
     if are_unequal(result):
         click.echo(f"\n{AT_EQUAL_ALARMS}", err=True)
     say_written(out)

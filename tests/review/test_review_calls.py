@@ -52,6 +52,37 @@ def test_a_changed_input_is_not_compared(store: Path, tmp_path: Path) -> None:
         _ = nv.open_project("Night").cases
 
 
+def test_a_changed_file_of_a_folder_is_not_compared(store: Path, tmp_path: Path) -> None:
+    assert nvcore("sample", str(tmp_path / "copy")).exit_code == 0
+    path = tmp_path / "copy" / "session.toml"
+    (tmp_path / "copy" / "nir").mkdir()
+    (tmp_path / "copy" / "nir.csv").rename(tmp_path / "copy" / "nir" / "nir.csv")
+    path.write_text(path.read_text().replace('"nir.csv"', '"nir"'))
+    nv.open_project("Night", session=path)
+    assert nv.open_project("Night").cases.shape[0] > 0
+    (tmp_path / "copy" / "nir" / "nir.csv").write_text("frame,x,y,w,h\n")
+    with pytest.raises(InputError, match=r"changed since it was kept: nir\.csv"):
+        _ = nv.open_project("Night").cases
+
+
+def test_what_states_sizes_and_rates_is_an_input_too(store: Path, tmp_path: Path) -> None:
+    assert nvcore("sample", str(tmp_path / "copy")).exit_code == 0
+    (tmp_path / "copy" / "seqinfo.ini").write_text("[Sequence]\nframeRate=20\n")
+    nv.open_project("Night", session=tmp_path / "copy" / "session.toml")
+    (tmp_path / "copy" / "seqinfo.ini").write_text("[Sequence]\nframeRate=5\n")
+    with pytest.raises(InputError, match=r"changed since it was kept: seqinfo\.ini"):
+        _ = nv.open_project("Night").cases
+
+
+def test_a_project_is_imported_under_another_name(store: Path, tmp_path: Path) -> None:
+    nv.open_project("Night", session=SAMPLE)
+    assert nvcore("review", "export", "Night", str(tmp_path / "night.zip")).exit_code == 0
+    taken = nvcore("review", "import", str(tmp_path / "night.zip"))
+    assert (taken.exit_code, "give another name" in taken.output) == (2, True)
+    assert nvcore("review", "import", str(tmp_path / "night.zip"), "Rain").exit_code == 0
+    assert {of.name for of in open_store().projects()} == {"Night", "Rain"}
+
+
 def test_a_strangers_project_names_no_file_that_it_does_not_bring(
     store: Path, tmp_path: Path
 ) -> None:

@@ -38,6 +38,8 @@ from nvcore.subjects.review.store import Project, ProjectStore
 VARIABLE: Final = "NVCORE_PROJECTS"
 """Environment variable with the path of the file of projects."""
 FILE_NAME: Final = "projects.sqlite"
+SIDE_FILE: Final = "seqinfo.ini"
+"""File beside annotations from which readers take sizes and frame rates."""
 
 
 def open_store(path: PathLike | None = None) -> ProjectStore:
@@ -63,7 +65,10 @@ def session_of(
     """
     changed = store.changed_inputs(project.token)
     if changed:
-        raise InputError(f"{project.name}: changed since it was kept: {Path(changed[0]).name}")
+        first = Path(changed[0])
+        is_gone = not first.is_absolute() or not first.exists()
+        what = "not found" if is_gone else "changed since it was kept"
+        raise InputError(f"{project.name}: {what}: {first.name}")
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "session.toml"
         path.write_text(project.session, encoding="utf-8")
@@ -192,6 +197,24 @@ def open_project(
     return OpenProject(file, keep_session(file, name, read, load(read).fingerprint))
 
 
+def import_project(
+    path: Path, *, name: str | None = None, store: PathLike | None = None
+) -> Project:
+    """Add a project from a file, under another name if one is given.
+
+    Raises
+    ------
+    InputError
+        If there is a project of that name, or the file is something else.
+    """
+    file = open_store(store)
+    made = file.import_(path, name=name)
+    if any(of.name == made.name for of in file.projects() if of.token != made.token):
+        file.delete(made.token)
+        raise InputError(f"there is a project {made.name!r} already: give another name")
+    return made
+
+
 def keep_session(
     file: ProjectStore,
     name: str,
@@ -218,6 +241,8 @@ def keep_session(
         If the name is empty, or the copies exceed the quota.
     """
     text = write_session(session, version=nvcore.__version__, fingerprint=fingerprint)
+    # folders of pictures change no number, and are too large to hash
+    shown = {path for entry in session.recordings for path in (entry.pictures, entry.visible)}
     inputs: list[Path] = []
     copied: list[Path] = []
     for one in dict.fromkeys(session.paths()):
@@ -225,8 +250,15 @@ def keep_session(
         found = [path] if path.exists() else map(Path, sorted(glob.glob(str(path))))  # noqa: PTH207  # absolute
         for each in found:
             is_copied = any(map(each.is_relative_to, roots))
-            inside = sorted(each.rglob("*")) if is_copied and each.is_dir() else [each]
-            (copied if is_copied else inputs).extend(of for of in inside if of.is_file())
+            is_whole = each.is_dir() and (is_copied or one not in shown)
+            inside = sorted(each.rglob("*")) if is_whole else [each]
+            beside = [folder / SIDE_FILE for folder in (each.parent, each.parent.parent)]
+            files = [
+                file
+                for file in (*inside, *beside)
+                if file.is_file() and (not is_copied or any(map(file.is_relative_to, roots)))
+            ]
+            (copied if is_copied else inputs).extend(files)
     used = [root for root in roots if any(path.is_relative_to(root) for path in copied)]
     return file.create(
         *(name, text),

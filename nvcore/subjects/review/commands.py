@@ -86,14 +86,14 @@ def review(
     measures NAME              every measure before and after the review
     export NAME FILE           a project as .zip, its decisions as .csv or .json, the frames of
                                its open cases as .xml for CVAT
-    import FILE [NAME]         a project from .zip, or decisions of others into one
+    import FILE [NAME]         a project from .zip (under another name), or decisions into one
     delete NAME                a project, and what no other one uses
     backup FILE                copy the file of all projects, also while it is in use
 
     Cases called wrong truth or irrelevant are left out of the measures after the review. Exit code
     0: fine, 1: a check failed, 2: bad input.
     """  # noqa: D301
-    from nvcore.subjects.review.calls import open_project, open_store
+    from nvcore.subjects.review.calls import import_project, open_project, open_store
     from nvcore.subjects.review.decisions import COLUMNS, read_decisions, write_decisions
 
     def need(n: int) -> tuple[str, ...]:
@@ -102,7 +102,10 @@ def review(
         return words
 
     if action == "list" and not words:
-        rows = [(of.name, f"{of.created_at:%Y-%m-%d}") for of in open_store(store).projects()]
+        rows = [
+            (of.name, f"{of.created_at:%Y-%m-%d}", f"?project={of.token}")
+            for of in open_store(store).projects()
+        ]
         click.echo("\n".join(aligned(rows)) if rows else "No projects.")
     elif action == "list":
         _list_cases(open_project(need(1)[0], store=store), only_open=only_open, above=above)
@@ -127,14 +130,16 @@ def review(
             open_store(store).export(project.project.token, Path(out))
         elif Path(out).suffix == ".xml":
             write_whole(Path(out), project.open_as_cvat())
+        elif Path(out).suffix not in (".csv", ".json"):
+            raise click.UsageError(f"{out}: a file ends in .zip, .csv, .json or .xml")
         else:
             write_decisions(project.decisions[list(COLUMNS)], Path(out))
         say_written(Path(out))
     elif action == "import":
         file = Path(words[0]) if words else Path(need(1)[0])
         if file.suffix == ".zip":
-            need(1)
-            click.echo(f"kept: {open_store(store).import_(file, owner=_reviewer(reviewer)).name}")
+            new_name = words[1] if len(words) == 2 else None
+            click.echo(f"kept: {import_project(file, name=new_name, store=store).name}")
         else:
             project, decisions = open_project(need(2)[1], store=store), read_decisions(file)
             open_store(store).decide(project.project.token, decisions)
@@ -162,7 +167,8 @@ def _reviewer(name: str | None) -> str:
 def _list_cases(project: OpenProject, *, only_open: bool, above: float) -> int:
     """Print the cases, and return their number."""
     cases = project.cases
-    shown = cases[~(cases["is_done"] & only_open) & ~(cases["severity_s"] <= above)]
+    is_heavy = cases["severity_s"] > above if above else True
+    shown = cases[~(cases["is_done"] & only_open) & is_heavy]
     rows = [("case", "kind", "systems", "recording", "frames", "s", "decision", "note")]
     for row in shown.to_dict("records"):
         frames, seconds = f"{row['first_frame']}-{row['last_frame']}", row["severity_s"]
@@ -173,7 +179,8 @@ def _list_cases(project: OpenProject, *, only_open: bool, above: float) -> int:
     robust = project.robustness
     if robust is not None and robust.turns_sign:
         n = len(robust.turns_sign)
-        click.echo(f"The leader would change without {count_text(n, 'open miss', 'open misses')}.")
+        ids = ", ".join(cases["case"].iloc[list(robust.turns_sign)])
+        click.echo(f"The leader would change without {count_text(n, 'miss', 'misses')}: {ids}")
     return len(shown)
 
 

@@ -155,7 +155,17 @@ def reviewed_rows(
     after = compare_without(result, cases, np.flatnonzero(states.isin(LEAVES_OUT)))
     new = {row.key: row for row in score_rows(after, MeasureTable.SCORECARD)}
     rows = score_rows(result, MeasureTable.SCORECARD)
-    return [(row, new[row.key]) for row in rows if row.key in new]
+    return [
+        (row._replace(label=_label_of_both(row, new[row.key])), new[row.key])
+        for row in rows
+        if row.key in new
+    ]
+
+
+def _label_of_both(old: ScoreRow, new: ScoreRow) -> str:
+    """Return the label of a measure, with its denominator after the review if that is another."""
+    _, _, rest = new.label.rpartition(", of ")
+    return old.label if old.label == new.label else f"{old.label}, then {rest}"
 
 
 def reviewed_measures(result: Result, cases: CaseList, decisions: pd.DataFrame) -> pd.DataFrame:
@@ -174,8 +184,7 @@ def reviewed_measures(result: Result, cases: CaseList, decisions: pd.DataFrame) 
 def cases_as_cvat(result: Result, cases: CaseList, chosen: np.ndarray) -> bytes:
     """Return the frames of some cases (bool) with their boxes as CVAT for images XML 1.1.
 
-    The label of a box is the kind of its case. Annotators correct the boxes there, and the result
-    is another version of the truth.
+    The label of a box is the kind of its case. Other boxes of the frames are not in it.
     """
     findings = []
     for kind in CaseKind:

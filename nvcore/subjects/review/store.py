@@ -396,8 +396,13 @@ class ProjectStore(SqliteFile):
         finally:
             partial.unlink(missing_ok=True)
 
-    def import_(self, path: Path, *, owner: str = "") -> Project:
+    def import_(self, path: Path, *, owner: str = "", name: str | None = None) -> Project:
         """Add the project of a file that `export` wrote, under a new token.
+
+        Parameters
+        ----------
+        name
+            Another name for it. None: that in the file.
 
         Raises
         ------
@@ -422,8 +427,8 @@ class ProjectStore(SqliteFile):
                     if self.tree(token).resolve() not in target.parents:
                         raise ValueError(f"{one.path} leaves the project")
                     self._link(one.sha256, archive, target)
-            name, session, root = (str(about[key]) for key in ("name", "session", "root"))
-            project = self._add(token, name, session, root, owner, inputs)
+            own_name, session, root = (str(about[key]) for key in ("name", "session", "root"))
+            project = self._add(token, name or own_name, session, root, owner, inputs)
             self.decide(token, decisions)
             return project
         except BaseException as error:

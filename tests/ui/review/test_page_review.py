@@ -109,7 +109,7 @@ def first_ids(space: Workspace, n: int) -> list[str]:
 def test_every_case_is_shown_with_who_misses_and_how_severely(page: AppTest) -> None:
     shown = cases(page)
     assert len(shown) == 41
-    assert shown[0]["about"] == "miss by X and Y, 1.60 s, oncoming_glare, frame 249"
+    assert shown[0]["about"] == "miss by X and Y, 1.60 s, pedestrian 3, oncoming_glare, frame 249"
     assert (shown[0]["who"], shown[0]["text"]) == ("xy", "X Y 1.60 s")
     assert shown[-1]["text"] == "Y 0.40 s, alarm"
 

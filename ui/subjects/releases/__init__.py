@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from nvcore.subjects.releases.versions import version_lines
 from ui import subject
 from ui.session import state
 
+MOST_UNRELATED: Final = 2
+"""Most systems that are compared as X and Y alone."""
+
 
 def _lacks() -> str:
-    return "" if version_lines(state.opened().dataset) else "Needs two versions of a system."
+    dataset = state.opened().dataset
+    has_versions = len(dataset.systems) > MOST_UNRELATED or version_lines(dataset)
+    return "" if has_versions else "Needs two versions of a system."
 
 
 class ReleasesPages(subject.SubjectPages):

@@ -170,18 +170,20 @@ def _described(result: Result, cases: CaseList) -> list[dict[str, Any]]:
     """Return texts and crops of each case, as the browser gets them."""
     rows = cases.table.to_dict("records")
     return [
-        {"id": case["case"], "who": case["systems"], **_texts(case), **asdict(shot)}
+        {"id": case["case"], "who": case["systems"], **_texts(result, case), **asdict(shot)}
         for case, shot in zip(rows, shots(result.dataset, cases), strict=True)
     ]
 
 
-def _texts(case: Mapping[Hashable, Any]) -> dict[str, str]:
+def _texts(result: Result, case: Mapping[Hashable, Any]) -> dict[str, str]:
     """Return the text below a case's crop, and the one for screen readers."""
     letters = [*case["systems"].upper()]
     seconds = "" if np.isnan(case["severity_s"]) else f"{number(case['severity_s'], '.2f')} s"
     kind = CaseKind(case["kind"])
     by = {CaseKind.MISS: " by ", CaseKind.FALSE_ALARM: " of "}.get(kind, "") + listed(letters)
-    place = case["recording"], f"frame {case['frame']}"
+    track = "" if case["encounter"] < 0 else str(result.encounters.track[case["encounter"]])
+    person = track and result.objects.say("{one} {track}", track=track)
+    place = person, case["recording"], f"frame {case['frame']}"
     told = (f"{kind.value}{by}", case["finding"], seconds, *place)
     short = " ".join(filter(None, [*letters, seconds, case["finding"]]))
     return {

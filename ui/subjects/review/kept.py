@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import secrets
 from collections.abc import Mapping
 from typing import Any, Final, NamedTuple
@@ -62,9 +63,10 @@ def call(name: str) -> None:
 
 
 def call_guest() -> None:
-    """Name a reviewer without a name, so that two of them are not one."""
+    """Name a reviewer without a name, the same in each tab of a browser."""
     if not reviewer():
-        call(f"guest {secrets.token_hex(2)}")
+        cookie = str(st.context.cookies.get("_streamlit_xsrf") or secrets.token_hex())
+        call(f"guest {hashlib.sha256(cookie.encode()).hexdigest()[:4]}")
 
 
 def may_open(store: ProjectStore, token: str) -> bool:
@@ -89,11 +91,17 @@ def leave() -> None:
 def project() -> tuple[ProjectStore, Project] | None:
     """Return the project of the open comparison, unless it was deleted."""
     token, n_opened = notes().get(_PROJECT, ("", 0))
-    if not token or n_opened != state.workspace().n_opened:
+    if not token:
         return None
     store = open_store()
     found = store.project(token)
-    return None if found is None or not may_open(store, token) else (store, found)
+    if found is None or not may_open(store, token):
+        return None
+    if n_opened != state.workspace().n_opened:  # something was added: decisions go along
+        leave()
+        notes()[_TAB] = store.decisions(token)[list(COLUMNS)]
+        return None
+    return store, found
 
 
 def count_look(result: Result) -> Look:
