@@ -1,6 +1,7 @@
 // Cases as a grid of crops, with the keys that decide on the selected one.
 
 const FRAME_MS = 180;
+const AGAIN_MS = 4000; // until what is not confirmed is sent again
 const galleries = new WeakMap();
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -34,6 +35,7 @@ class Gallery {
     this.grid.addEventListener("mouseleave", () => this.play(null));
     this.root.addEventListener("keydown", (event) => this.onKey(event));
     this.note.addEventListener("change", () => this.keepNote());
+    addEventListener("beforeunload", (event) => this.pending.length && event.preventDefault());
   }
 
   button(parent, key, words, onClick) {
@@ -123,7 +125,8 @@ class Gallery {
     this.noteOf = one.id;
     const { done, n } = this.data.counts;
     const ahead = this.cases.reduce((sum, { isDone }, i) => sum + Number(isDone) - Number(this.data.cases[i].isDone), 0);
-    this.count.textContent = `${done + ahead} of ${n} done`;
+    const late = this.isLate && this.pending.length ? `, ${this.pending.length} not stored` : "";
+    this.count.textContent = `${done + ahead} of ${n} done${late}`;
     this.undo.disabled = !(this.data.canUndo || this.pending.length);
   }
 
@@ -195,6 +198,20 @@ class Gallery {
     this.apply(message);
     this.tell("told", { client: this.client, messages: this.pending });
     this.draw();
+    this.sendAgain();
+  }
+
+  // The server may have been away: nothing is lost, and the page says what is not stored.
+  sendAgain() {
+    clearTimeout(this.again);
+    this.again = setTimeout(() => {
+      this.isLate = this.pending.length > 0;
+      if (this.isLate) {
+        this.tell("told", { client: this.client, messages: this.pending });
+        this.sendAgain();
+      }
+      this.draw();
+    }, AGAIN_MS);
   }
 
   apply({ kind, case: id, decision, note }) {
