@@ -8,6 +8,7 @@ from __future__ import annotations
 from http import HTTPStatus
 from typing import Final
 
+import cv2
 import numpy as np
 from anyio.to_thread import run_sync
 from starlette.requests import Request
@@ -23,6 +24,8 @@ from ui.widgets.drawing import cut_scaled, small_jpeg
 CROP_PX: Final = 320
 """Largest width of a crop, twice that on the page."""
 MOST_PX: Final = 1e6
+ARROW_SHARE: Final = 0.008
+"""Half the width of the arrowhead above the case's box, as a share of the picture's width."""
 
 
 @routes.for_owner
@@ -49,12 +52,22 @@ async def crop(request: Request, space: Workspace) -> Response:
         size = float(frames.width[recording]), float(frames.height[recording])
         boxes = drawn_boxes(result, rows.start)._asdict()
         drawn = draw_boxes(picture, *size, **boxes, inks=inks_of(result, "dark"))
+        _point_at(drawn, xywh * np.tile(drawn.shape[1::-1], 2) / np.tile(size, 2))
         return small_jpeg(cut_scaled(result, recording, drawn, xywh), CROP_PX)
 
     content = await run_sync(draw, limiter=space.picture_turns)
     is_newest = request.query_params.get("v") == version_of(space)
     headers = routes.CACHED if is_newest else routes.NOT_CACHED
     return Response(content, media_type="image/jpeg", headers=headers)
+
+
+def _point_at(drawn: np.ndarray, xywh: np.ndarray) -> None:
+    """Draw a white arrowhead above a box (px of the drawing), which may be one of many."""
+    x, y, w, _ = xywh
+    half = ARROW_SHARE * drawn.shape[1]
+    top = max(y - 3 * half, 0)
+    corners = [(x + w / 2 - half, top), (x + w / 2 + half, top), (x + w / 2, top + 1.5 * half)]
+    cv2.fillConvexPoly(drawn, np.round(corners).astype(np.int32), (255, 255, 255), cv2.LINE_AA)
 
 
 def version_of(space: Workspace) -> str:
