@@ -16,7 +16,7 @@ import json
 import os
 import sys
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
@@ -405,7 +405,12 @@ def _share_text(claims: list[dict[str, str]], *, is_null: bool) -> str:
     if not claims:
         return "–"
     is_claimed = [bool(of) if is_null else "y" in of.values() for of in claims]
-    share = share_of(sum(is_claimed), len(claims))
+    return share_text(is_claimed)
+
+
+def share_text(outcomes: Sequence[bool]) -> str:
+    """Return the share of outcomes that are true, with its interval."""
+    share = share_of(sum(outcomes), len(outcomes))
     return f"{share.share:.1%} ({100 * share.low:.1f} to {100 * share.high:.1f})"
 
 

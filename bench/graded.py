@@ -24,6 +24,7 @@ from bench.claims import (
     logistic,
     place_systems,
     run_studies,
+    share_text,
     study_parser,
     varying,
     write_block,
@@ -178,8 +179,7 @@ def _test_text(rows: list[Mapping[str, Any]], name: str, n: int, *, is_null: boo
         claims.append(is_y or (is_x and not row["y_severity_better"]) if is_null else is_y)
     if not claims:
         return "–"
-    share = share_of(sum(claims), len(claims))
-    return f"{share.share:.1%} ({100 * share.low:.1f} to {100 * share.high:.1f})"
+    return share_text(claims)
 
 
 def main() -> None:

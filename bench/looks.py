@@ -15,12 +15,19 @@ from typing import Any, Final
 
 import numpy as np
 
-from bench.claims import SCENARIOS, SEED, draw_dataset, run_studies, study_parser, write_block
+from bench.claims import (
+    SCENARIOS,
+    SEED,
+    draw_dataset,
+    run_studies,
+    share_text,
+    study_parser,
+    write_block,
+)
 from nvcore.comparison.compare import compare
 from nvcore.evidence.claims import find_claims
 from nvcore.evidence.looks import correct_for_looks, look_of
 from nvcore.evidence.table import judge_both
-from nvcore.metrics.shares import share_of
 from nvcore.settings.params import Params
 
 BEGIN: Final = "<!-- looks: written by `python -m bench.looks --write` -->"
@@ -71,11 +78,7 @@ def table_text(rows: Iterable[Mapping[str, Any]]) -> str:
         "|---|---|---|---|",
     ]
     for kind, own in by_kind.items():
-        cells = []
-        for name in ("first", "alone", "family"):
-            share = share_of(sum(row[name] for row in own), len(own))
-            ends = f"{100 * share.low:.1f} to {100 * share.high:.1f}"
-            cells.append(f"{share.share:.1%} ({ends})")
+        cells = [share_text([row[name] for row in own]) for name in ("first", "alone", "family")]
         lines.append(f"| {SCENARIOS[kind].label} | {' | '.join(cells)} |")
     return "\n".join(lines)
 

@@ -15,7 +15,7 @@ from nvcore.common.findings import TRUTH_NAME, Finding
 from nvcore.comparison.compare import Result
 from nvcore.dataset import Dataset
 from nvcore.dataset.columns import BoxColumns
-from nvcore.metrics.linking import link_boxes
+from nvcore.metrics.false_alarms import link_alarms
 from nvcore.tables.moments import encounter_moments
 
 COLUMNS: Final = (
@@ -155,17 +155,11 @@ def _misses(result: Result) -> CaseList:
 def _false_alarms(result: Result, letter: str) -> CaseList:
     system = result.system(letter)
     detections, frames = result.dataset.system(system.name), result.dataset.frame_columns
-    rows = np.flatnonzero(system.matches.is_false_alarm)
-    episode = link_boxes(detections, frames, rows)
+    rows, episode = link_alarms(detections, system.matches.is_false_alarm, frames)
     order = np.argsort(episode, kind="stable")
     boxes = np.split(rows[order], np.cumsum(np.bincount(episode))[:-1]) if len(rows) else []
     largest = [own[np.argmax(detections.h[own])] for own in boxes]
-    first, last = (
-        np.array([detections.frame_index[own[end]] for own in boxes], np.int64) for end in (0, -1)
-    )
-    duration = (frames.passed[last + 1] - frames.passed[first]) / frames.fps[
-        frames.recording[first]
-    ]
+    duration = system.episodes["duration_s"].to_numpy()
     made = _list(
         *(result.dataset, CaseKind.FALSE_ALARM, detections, boxes, largest),
         *([letter] * len(boxes), duration),

@@ -126,12 +126,10 @@ def _alarms(result: Result) -> pd.DataFrame:
     Two episodes are the same if boxes of both overlap (IoU >= 0.3) in at least one frame.
     """
     dataset, (old, new) = result.dataset, (result.x, result.y)
-    rows = [np.flatnonzero(of.matches.is_false_alarm) for of in (old, new)]
     boxes = [dataset.system(of.name).only(of.matches.is_false_alarm) for of in (old, new)]
-    gone = _episodes(result, old, rows[0][_overlap_any(*boxes)], Change.GONE)
+    gone = _episodes(result, old, _overlap_any(*boxes), Change.GONE)
     gone = gone[gone["kind"] == Change.GONE.value]
-    shared = rows[1][_overlap_any(*reversed(boxes))]
-    cases = [gone, _episodes(result, new, shared, Change.NEWLY_FALSE)]
+    cases = [gone, _episodes(result, new, _overlap_any(*reversed(boxes)), Change.NEWLY_FALSE)]
     table = pd.concat(cases, ignore_index=True)
     track = pd.array([pd.NA] * len(table), dtype="Int64")
     severity_s = dict.fromkeys(("severity_s_old", "severity_s_new"), np.nan)
@@ -154,14 +152,14 @@ def _episodes(
     Parameters
     ----------
     shared
-        Rows of false alarms that overlap with one of the other version.
+        Which of its false alarms overlap one of the other version; bool.
     alone
         Kind of the episodes that have none of these.
     """
     boxes = result.dataset.system(system.name)
     is_false, frames = system.matches.is_false_alarm, result.dataset.frame_columns
     rows, episode = link_alarms(boxes, is_false, frames)
-    is_shared = np.isin(np.arange(len(system.episodes)), episode[np.isin(rows, shared)])
+    is_shared = np.isin(np.arange(len(system.episodes)), episode[shared])
     tallest = np.lexsort((rows, -boxes.h[rows], episode))
     box = rows[tallest[np.unique(episode[tallest], return_index=True)[1]]]
     kinds = np.where(is_shared, Change.UNCHANGED.value, alone.value).astype(object)
